@@ -1,0 +1,58 @@
+# burnish-config.cmake -- what find_package(burnish) and find_package(burnish COMPONENTS raycast io) read
+# SPDX-License-Identifier: Apache-2.0
+#
+# burnish::burnish  the headers; nothing besides threads
+# raycast           burnish::raycast, with Embree 4 or 3: burnish/scene/raycast.h
+# io                burnish::io, with OpenImageIO, Assimp and nlohmann_json: burnish/io/
+#
+# A component whose packages are missing has no target, and burnish_<component>_NOT_FOUND_MESSAGE says what it wants.
+# The library's own CMakeLists.txt reads this file too, so what a component is made of is said only here.
+
+cmake_policy(VERSION 3.22)
+include(CMakeFindDependencyMacro)
+find_dependency(Threads)
+if(NOT TARGET burnish::burnish)
+  include("${CMAKE_CURRENT_LIST_DIR}/burnish-targets.cmake")
+endif()
+
+if("raycast" IN_LIST burnish_FIND_COMPONENTS AND NOT TARGET burnish::raycast)
+  find_package(embree 4 CONFIG QUIET)
+  if(NOT embree_FOUND)
+    find_package(embree 3 CONFIG QUIET)
+  endif()
+  if(embree_FOUND)
+    add_library(burnish::raycast INTERFACE IMPORTED)
+    set_property(TARGET burnish::raycast PROPERTY INTERFACE_LINK_LIBRARIES burnish::burnish embree)
+  else()
+    set(burnish_raycast_NOT_FOUND_MESSAGE "burnish::raycast wants Embree 4 or 3 (Debian, Ubuntu: libembree-dev)")
+  endif()
+endif()
+
+if("io" IN_LIST burnish_FIND_COMPONENTS AND NOT TARGET burnish::io)
+  find_package(OpenImageIO 2.4 CONFIG QUIET)
+  find_package(assimp CONFIG QUIET)
+  find_package(nlohmann_json CONFIG QUIET)
+  if(OpenImageIO_FOUND AND assimp_FOUND AND nlohmann_json_FOUND)
+    add_library(burnish::io INTERFACE IMPORTED)
+    set_property(TARGET burnish::io PROPERTY INTERFACE_LINK_LIBRARIES
+      burnish::burnish OpenImageIO::OpenImageIO assimp::assimp nlohmann_json::nlohmann_json)
+  else()
+    set(burnish_io_NOT_FOUND_MESSAGE "burnish::io wants OpenImageIO, Assimp and nlohmann_json (Debian, Ubuntu: \
+libopenimageio-dev openimageio-tools libassimp-dev nlohmann-json3-dev)")
+  endif()
+endif()
+
+set(burnish_FOUND TRUE)
+foreach(burnish_component IN LISTS burnish_FIND_COMPONENTS)
+  set(burnish_${burnish_component}_FOUND FALSE)
+  if(TARGET burnish::${burnish_component})
+    set(burnish_${burnish_component}_FOUND TRUE)
+  elseif(burnish_FIND_REQUIRED_${burnish_component})
+    set(burnish_FOUND FALSE)
+    set(burnish_NOT_FOUND_MESSAGE "${burnish_${burnish_component}_NOT_FOUND_MESSAGE}")
+    if(NOT burnish_NOT_FOUND_MESSAGE)
+      set(burnish_NOT_FOUND_MESSAGE "burnish has no component ${burnish_component}: raycast and io are those it has")
+    endif()
+  endif()
+endforeach()
+unset(burnish_component)

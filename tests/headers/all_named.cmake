@@ -1,0 +1,18 @@
+# tests/headers/all_named.cmake -- burnish.h includes every header that needs no third party, and no other
+# SPDX-License-Identifier: Apache-2.0
+cmake_minimum_required(VERSION 3.22)
+file(GLOB_RECURSE headers RELATIVE ${include} ${include}/burnish/*/*.h)
+list(FILTER headers EXCLUDE REGEX "^burnish/(scene/raycast\\.h|io/)")
+list(APPEND headers burnish/version.h)
+file(STRINGS ${include}/burnish/burnish.h named REGEX "^#include <")
+list(TRANSFORM named REPLACE "^#include <(.*)>.*" "\\1")
+foreach(header IN LISTS headers)
+  if(NOT header IN_LIST named)
+    message(SEND_ERROR "burnish.h does not include <${header}>")
+  endif()
+endforeach()
+foreach(header IN LISTS named)
+  if(NOT header IN_LIST headers)
+    message(SEND_ERROR "burnish.h includes <${header}>, which is not there or needs a third party")
+  endif()
+endforeach()

@@ -1,0 +1,27 @@
+# tests/layers/can_fail.cmake -- layers.cmake finds each kind of wrong include, and passes a right tree
+# SPDX-License-Identifier: Apache-2.0
+cmake_minimum_required(VERSION 3.22)
+function(expect message)  # header, text, header, text, ...
+  file(REMOVE_RECURSE ${work})
+  while(ARGN)
+    list(POP_FRONT ARGN header text)
+    file(WRITE ${work}/burnish/${header} "${text}\n")
+  endwhile()
+  execute_process(COMMAND ${CMAKE_COMMAND} -D include=${work} -P ${layers} RESULT_VARIABLE result ERROR_VARIABLE error)
+  string(REGEX REPLACE "[ \n]+" " " error "${error}")
+  if(message STREQUAL "" AND NOT result EQUAL 0)
+    message(SEND_ERROR "a right tree was refused: ${error}")
+  elseif(NOT message STREQUAL "" AND (result EQUAL 0 OR NOT error MATCHES "${message}"))
+    message(SEND_ERROR "expected '${message}', found '${error}'")
+  endif()
+endfunction()
+
+expect("" ad/a.h "#include <cmath>" math/b.h "#include <burnish/ad/a.h>" scene/raycast.h "#include <embree4/rtcore.h>")
+expect("ad/a.h includes math/b.h" ad/a.h "#include <burnish/math/b.h>" math/b.h "")
+expect("shade/a.h includes nodes/b.h" shade/a.h "#include <burnish/nodes/b.h>" nodes/b.h "")
+expect("circle" ad/a.h "#include <burnish/ad/b.h>" ad/b.h "#include <burnish/ad/a.h>")
+expect("not there" ad/a.h "#include <burnish/ad/b.h>")
+expect("is not listed" attic/a.h "#include <burnish/ad/b.h>" ad/b.h "")
+expect("third party" scene/a.h "#include <embree4/rtcore.h>")
+expect("third party" math/a.h "#include <glm/glm.hpp>")
+expect("write #include" ad/a.h "#include \"b.h\"" ad/b.h "")
