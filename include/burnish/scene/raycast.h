@@ -1,0 +1,331 @@
+// burnish/scene/raycast.h -- rays against a mesh: the G-buffer of a camera, and which directions are blocked
+// SPDX-License-Identifier: Apache-2.0
+//
+// The only file that names Embree (3 or 4). Rays go in packets of 16, on all cores; the result does not depend on how
+// many there are. Both sides of a triangle are hit.
+#pragma once
+#if __has_include(<embree4/rtcore.h>)
+#include <embree4/rtcore.h>
+#else
+#include <embree3/rtcore.h>
+#endif
+#include <cstring>
+#include <memory>
+#include <span>
+#include <string>
+#include <burnish/ad/parallel.h>
+#include <burnish/scene/error.h>
+#include <burnish/scene/gbuffer.h>
+
+namespace burnish {
+namespace detail {
+/// One call for both Embrees; coherent: the 16 rays go nearly the same way.
+struct Query {
+#if RTC_VERSION_MAJOR >= 4
+  static void intersect(RTCScene scene, const int* valid, RTCRayHit16& r, bool coherent) {
+    RTCIntersectArguments a;
+    rtcInitIntersectArguments(&a);
+    a.flags = coherent ? RTC_RAY_QUERY_FLAG_COHERENT : RTC_RAY_QUERY_FLAG_INCOHERENT;
+    rtcIntersect16(valid, scene, &r, &a);
+  }
+  static void occluded(RTCScene scene, const int* valid, RTCRay16& r, bool coherent) {
+    RTCOccludedArguments a;
+    rtcInitOccludedArguments(&a);
+    a.flags = coherent ? RTC_RAY_QUERY_FLAG_COHERENT : RTC_RAY_QUERY_FLAG_INCOHERENT;
+    rtcOccluded16(valid, scene, &r, &a);
+  }
+#else
+  static RTCIntersectContext context(bool coherent) {
+    RTCIntersectContext c;
+    rtcInitIntersectContext(&c);
+    c.flags = coherent ? RTC_INTERSECT_CONTEXT_FLAG_COHERENT : RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
+    return c;
+  }
+  static void intersect(RTCScene scene, const int* valid, RTCRayHit16& r, bool coherent) {
+    RTCIntersectContext c = context(coherent);
+    rtcIntersect16(valid, scene, &c, &r);
+  }
+  static void occluded(RTCScene scene, const int* valid, RTCRay16& r, bool coherent) {
+    RTCIntersectContext c = context(coherent);
+    rtcOccluded16(valid, scene, &c, &r);
+  }
+#endif
+};
+}  // namespace detail
+
+class Raycaster {
+public:
+  static constexpr int packet = 16;
+
+  /// Keeps the mesh and builds its tree. Error when it has no triangle, an index is out of range, a position is not a
+  /// number or Embree fails; use clean.h first.
+  explicit Raycaster(Mesh m) : mesh_(std::move(m)), device_(rtcNewDevice(nullptr)) {
+    const int vertices = int(mesh_.positions.size()), triangles = int(mesh_.triangles.size());
+    if (triangles == 0) throw Error("mesh without triangles, expected at least one");
+    if (mesh_.part.size() != mesh_.triangles.size() || mesh_.parts.empty()) throw Error("mesh without a part for every triangle");
+    if (mesh_.normals.size() != mesh_.positions.size() || mesh_.uvs.size() != mesh_.positions.size()) {
+      throw Error("mesh of " + std::to_string(vertices) + " positions, " + std::to_string(mesh_.normals.size()) +
+                  " normals, " + std::to_string(mesh_.uvs.size()) + " uvs: expected as many of each");
+    }
+    for (int t = 0; t < triangles; ++t) {
+      for (int v : mesh_.triangles[t]) {
+        if (v < 0 || v >= vertices || !detail::finite(mesh_.positions[v])) {
+          throw Error("triangle " + std::to_string(t) + " of the mesh has no usable vertex " + std::to_string(v));
+        }
+      }
+      if (mesh_.part[t] < 0 || mesh_.part[t] >= int(mesh_.parts.size())) throw Error("triangle " + std::to_string(t) + " of an unknown part");
+    }
+    check();
+    scene_.reset(rtcNewScene(device_.get()));
+    rtcSetSceneFlags(scene_.get(), RTC_SCENE_FLAG_ROBUST);
+    const RTCGeometry g = rtcNewGeometry(device_.get(), RTC_GEOMETRY_TYPE_TRIANGLE);
+    void* p = rtcSetNewGeometryBuffer(g, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 3 * sizeof(float), std::size_t(vertices));
+    void* i = rtcSetNewGeometryBuffer(g, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 3 * sizeof(int), std::size_t(triangles));
+    check();
+    for (int v = 0; v < vertices; ++v) {
+      const float xyz[3] = {mesh_.positions[v].x, mesh_.positions[v].y, mesh_.positions[v].z};
+      std::memcpy(static_cast<char*>(p) + std::size_t(v) * sizeof xyz, xyz, sizeof xyz);
+    }
+    std::memcpy(i, mesh_.triangles.data(), std::size_t(triangles) * 3 * sizeof(int));
+    rtcCommitGeometry(g);
+    rtcAttachGeometry(scene_.get(), g);
+    rtcReleaseGeometry(g);
+    rtcCommitScene(scene_.get());
+    check();
+    box_ = bounds(mesh_);
+  }
+
+  const Mesh& mesh() const { return mesh_; }
+
+  /// What the camera sees. samples x samples rays a pixel measure its coverage, at places that are spread evenly and are
+  /// the same every time; samples = 1 looks at the centre only and is fastest.
+  GBuffer trace(const Camera& camera, int samples = 4) const {
+    if (camera.width <= 0 || camera.height <= 0) throw Error("camera of " + std::to_string(camera.width) + " x " + std::to_string(camera.height) + " pixels");
+    const int w = camera.width, h = camera.height, tiles = (w + 3) / 4, rows = (h + 3) / 4;
+    std::vector<Hit> hits(std::size_t(w) * h);
+    std::vector<int> first(h + 1);
+    const std::vector<vec2<float>> places = spread(samples);
+    const std::array<int, 4> frame = outline(camera);
+    parallel_for(rows, [&](int row) {
+      for (int tile = 0; tile < tiles; ++tile) {
+        const int x0 = tile * 4, y0 = row * 4;
+        if (x0 + 3 < frame[0] || x0 > frame[2] || y0 + 3 < frame[1] || y0 > frame[3]) continue;
+        trace_tile(camera, x0, y0, places, hits.data());
+      }
+      for (int y = row * 4; y < std::min(h, row * 4 + 4); ++y) {
+        for (int x = 0; x < w; ++x) first[y + 1] += hits[std::size_t(y) * w + x].triangle != none;
+      }
+    });
+    for (int y = 0; y < h; ++y) first[y + 1] += first[y];
+    GBuffer g;
+    g.width = w, g.height = h, g.camera = camera, g.parts = mesh_.parts;
+    g.resize(first[h]);
+    parallel_for(h, [&](int y) {
+      int i = first[y];
+      for (int x = 0; x < w; ++x) {
+        const Hit& hit = hits[std::size_t(y) * w + x];
+        if (hit.triangle == none) continue;
+        g.pixel[i] = y * w + x;
+        write(g, i++, hit);
+      }
+    });
+    g.close();
+    return g;
+  }
+
+  /// For every pair of origin and unit direction: 1 if a ray meets the mesh before `reach` metres, else 0. The caller lifts
+  /// origins off the surface (lift).
+  void occluded(std::span<const vec3<float>> origins, std::span<const vec3<float>> directions, std::span<std::uint8_t> out,
+                float reach = std::numeric_limits<float>::infinity()) const {
+    if (origins.size() != directions.size() || out.size() != origins.size()) throw Error("occluded: as many origins, directions and results expected");
+    const int n = int(origins.size()), block = 256 * packet;
+    parallel_for((n + block - 1) / block, [&](int b) {
+      for (int i = b * block; i < std::min(n, (b + 1) * block); i += packet) {
+        shadow_packet(std::min(packet, n - i), false, reach, out.data() + i, [&](int k) {
+          return Ray{origins[i + k], directions[i + k]};
+        });
+      }
+    });
+  }
+
+  /// What shines on a G-buffer: planes of visibility, one a direction (unit, from the surface to the light, infinitely
+  /// far), each padded_size() long: out[d * padded_size() + i] is 1 where surfel i sees direction d, else 0.
+  std::vector<std::uint8_t> visible(const GBuffer& g, std::span<const vec3<float>> directions) const {
+    const int n = g.size(), stride = g.padded_size(), block = 256;
+    std::vector<std::uint8_t> out(std::size_t(stride) * directions.size());
+    if (n == 0) return out;
+    std::vector<vec3<float>> origins(n);
+    for (int i = 0; i < n; ++i) origins[i] = lift(g.at(i).position, g.geometric_normal(i));
+    parallel_for((n + block - 1) / block, [&](int b) {
+      for (std::size_t d = 0; d < directions.size(); ++d) {
+        std::uint8_t* const to = out.data() + d * stride;
+        for (int i = b * block; i < std::min(n, (b + 1) * block); i += packet) {
+          const int count = std::min(packet, n - i);
+          shadow_packet(count, true, std::numeric_limits<float>::infinity(), to + i, [&](int k) { return Ray{origins[i + k], directions[d]}; });
+          for (int k = 0; k < count; ++k) to[i + k] = !to[i + k];
+        }
+      }
+    });
+    for (std::size_t d = 0; d < directions.size(); ++d) {
+      std::uint8_t* const to = out.data() + d * stride;
+      std::fill(to + n, to + stride, to[n - 1]);
+    }
+    return out;
+  }
+
+  /// A place off the surface along its unit geometric normal, where a ray may start and not meet the surface itself:
+  /// the step is what a float can still tell apart, 1500 * 2^-24 of the coordinates (Mitsuba 3's ray epsilon).
+  static vec3<float> lift(const vec3<float>& position, const vec3<float>& normal) {
+    const float most = std::max({std::abs(position.x), std::abs(position.y), std::abs(position.z)});
+    return position + normal * ((1 + most) * 8.94e-5f);
+  }
+
+private:
+  static constexpr unsigned none = RTC_INVALID_GEOMETRY_ID;
+  struct Hit {
+    unsigned triangle = none;
+    float u = 0, v = 0, coverage = 0;
+  };
+  struct Release {
+    void operator()(RTCDevice d) const { rtcReleaseDevice(d); }
+    void operator()(RTCScene s) const { rtcReleaseScene(s); }
+  };
+  template <class T> using Handle = std::unique_ptr<std::remove_pointer_t<T>, Release>;
+
+  Mesh mesh_;
+  Handle<RTCDevice> device_;
+  Handle<RTCScene> scene_;
+  Box box_;
+
+  void check() const {
+    if (!device_) throw Error("Embree gives no device (error " + std::to_string(int(rtcGetDeviceError(nullptr))) + ")");
+    const RTCError e = rtcGetDeviceError(device_.get());
+    if (e != RTC_ERROR_NONE) throw Error("Embree fails on this mesh (error " + std::to_string(int(e)) + ")");
+  }
+
+  /// n x n places in the unit square, one in each cell of n x n and one in each of n^2 rows and of n^2 columns (Chiu,
+  /// Shirley and Wang 1994, without the jitter).
+  static std::vector<vec2<float>> spread(int n) {
+    std::vector<vec2<float>> places;
+    const float cell = 1.0f / float(std::max(n, 1));
+    for (int j = 0; j < n && n > 1; ++j) {
+      for (int i = 0; i < n; ++i) {
+        places.emplace_back((float(i) + (float(j) + 0.5f) * cell) * cell, (float(j) + (float(i) + 0.5f) * cell) * cell);
+      }
+    }
+    return places;
+  }
+  /// The pixels that may see the mesh: x from, y from, x to, y to; all where the box reaches behind the camera.
+  std::array<int, 4> outline(const Camera& c) const {
+    float x0 = 1e9f, y0 = 1e9f, x1 = -1e9f, y1 = -1e9f;
+    for (int k = 0; k < 8; ++k) {
+      const vec3<float> p = c.project({k & 1 ? box_.low.x : box_.high.x, k & 2 ? box_.low.y : box_.high.y, k & 4 ? box_.low.z : box_.high.z});
+      if (!(p.z > 1e-4f)) return {0, 0, c.width - 1, c.height - 1};
+      x0 = std::min(x0, p.x), x1 = std::max(x1, p.x), y0 = std::min(y0, p.y), y1 = std::max(y1, p.y);
+    }
+    const auto clip = [](float x, int n) { return int(std::clamp(x, -2.0f, float(n) + 2)); };
+    return {clip(x0, c.width) - 1, clip(y0, c.height) - 1, clip(x1, c.width) + 1, clip(y1, c.height) + 1};
+  }
+
+  static void set(RTCRay16& r, int k, const vec3<float>& o, const vec3<float>& d, float far) {
+    r.org_x[k] = o.x, r.org_y[k] = o.y, r.org_z[k] = o.z;
+    r.dir_x[k] = d.x, r.dir_y[k] = d.y, r.dir_z[k] = d.z;
+    r.tnear[k] = 0, r.tfar[k] = far, r.time[k] = 0, r.mask[k] = ~0u, r.id[k] = 0, r.flags[k] = 0;
+  }
+  /// Whether the rays ray(0) .. ray(n - 1) meet anything; n <= 16.
+  template <class F> void shadow_packet(int n, bool coherent, float reach, std::uint8_t* out, F ray) const {
+    RTCRay16 r;
+    alignas(64) int valid[packet];
+    for (int k = 0; k < packet; ++k) {
+      const Ray a = ray(k < n ? k : 0);
+      set(r, k, a.origin, a.direction, reach);
+      valid[k] = k < n ? -1 : 0;
+    }
+    detail::Query::occluded(scene_.get(), valid, r, coherent);
+    for (int k = 0; k < n; ++k) out[k] = r.tfar[k] < 0;
+  }
+
+  void trace_tile(const Camera& c, int x0, int y0, const std::vector<vec2<float>>& places, Hit* hits) const {
+    RTCRayHit16 r;
+    alignas(64) int valid[packet];
+    for (int k = 0; k < packet; ++k) {
+      const int x = x0 + k % 4, y = y0 + k / 4;
+      valid[k] = x < c.width && y < c.height ? -1 : 0;
+      set(r.ray, k, c.position, c.toward(float(x) + 0.5f, float(y) + 0.5f), std::numeric_limits<float>::infinity());
+      r.hit.geomID[k] = none;
+    }
+    detail::Query::intersect(scene_.get(), valid, r, true);
+    for (int k = 0; k < packet; ++k) {
+      if (!valid[k]) continue;
+      const int x = x0 + k % 4, y = y0 + k / 4;
+      Hit& hit = hits[std::size_t(y) * c.width + x];
+      if (r.hit.geomID[k] != none) hit = {r.hit.primID[k], r.hit.u[k], r.hit.v[k], 1};
+      if (!places.empty()) cover(c, x, y, places, hit);
+    }
+  }
+  /// Measures the pixel's coverage; where its centre missed, the hit becomes the covered place nearest to it.
+  void cover(const Camera& c, int x, int y, const std::vector<vec2<float>>& places, Hit& hit) const {
+    const int n = int(places.size());
+    int covered = 0, nearest = -1;
+    float best = 2;
+    for (int i = 0; i < n; i += packet) {
+      std::uint8_t met[packet];
+      const int count = std::min(packet, n - i);
+      shadow_packet(count, true, std::numeric_limits<float>::infinity(), met, [&](int k) {
+        return Ray{c.position, c.toward(float(x) + places[i + k].x, float(y) + places[i + k].y)};
+      });
+      for (int k = 0; k < count; ++k) {
+        if (!met[k]) continue;
+        ++covered;
+        const float dx = places[i + k].x - 0.5f, dy = places[i + k].y - 0.5f, d = dx * dx + dy * dy;
+        if (d < best) best = d, nearest = i + k;
+      }
+    }
+    if (hit.triangle == none && nearest >= 0) {
+      RTCRayHit16 r;
+      alignas(64) int valid[packet] = {-1};
+      set(r.ray, 0, c.position, c.toward(float(x) + places[nearest].x, float(y) + places[nearest].y), std::numeric_limits<float>::infinity());
+      r.hit.geomID[0] = none;
+      detail::Query::intersect(scene_.get(), valid, r, true);
+      if (r.hit.geomID[0] != none) hit = {r.hit.primID[0], r.hit.u[0], r.hit.v[0], 0};
+    }
+    if (hit.triangle != none) hit.coverage = float(std::max(covered, 1)) / float(n);
+  }
+
+  /// The surface at a hit: (1 - u - v) a + u b + v c.
+  void write(GBuffer& g, int i, const Hit& hit) const {
+    const auto& [a, b, c] = mesh_.triangles[hit.triangle];
+    const float u = hit.u, v = hit.v, w = 1 - u - v;
+    const vec3<float>&p0 = mesh_.positions[a], &p1 = mesh_.positions[b], &p2 = mesh_.positions[c];
+    const vec3<float> p = p0 * w + p1 * u + p2 * v, e1 = p1 - p0, e2 = p2 - p0;
+    const vec3<float> view = normalize(g.camera.position - p);
+    vec3<float> face = normalize(cross(e1, e2));
+    vec3<float> n = mesh_.normals[a] * w + mesh_.normals[b] * u + mesh_.normals[c] * v;
+    if (!(dot(n, n) > 1e-12f)) n = face;
+    n = normalize(n);
+    if (dot(face, view) < 0) face = -face;
+    if (dot(n, face) < 0) n = -n;
+    // An interpolated normal may look away at a silhouette; it is turned back until it faces the viewer at nv = 0.01.
+    if (const float nv = dot(n, view); nv < 0.01f) n = normalize(n + view * (0.01f - nv));
+    const vec2<float>&t0 = mesh_.uvs[a], &t1 = mesh_.uvs[b], &t2 = mesh_.uvs[c];
+    const float du1 = t1.x - t0.x, dv1 = t1.y - t0.y, du2 = t2.x - t0.x, dv2 = t2.y - t0.y;
+    const float det = du1 * dv2 - du2 * dv1;
+    vec3<float> t = (e1 * dv2 - e2 * dv1) * (det < 0 ? -1.0f : 1.0f);
+    t = t - n * dot(n, t);
+    if (!detail::finite(t) || !(std::abs(det) > 1e-20f) || !(dot(t, t) > 1e-30f)) {
+      t = std::abs(n.y) < 0.99f ? cross(vec3<float>(0, 1, 0), n) : cross(vec3<float>(0, 0, 1), n);  // no uvs: level
+    }
+    t = normalize(t);
+    const auto put = [&](int at, const vec3<float>& x) { g.plane[at][i] = x.x, g.plane[at + 1][i] = x.y, g.plane[at + 2][i] = x.z; };
+    put(0, p), put(3, n), put(6, t), put(9, view);
+    const float s = t0.x * w + t1.x * u + t2.x * v, q = t0.y * w + t1.y * u + t2.y * v;
+    g.plane[12][i] = detail::finite(s) ? s : 0;
+    g.plane[13][i] = detail::finite(q) ? q : 0;
+    put(GBuffer::geometric, face);
+    g.plane[GBuffer::depth][i] = dot(p - g.camera.position, g.camera.forward);
+    g.plane[GBuffer::coverage][i] = hit.coverage;
+    g.part[i] = mesh_.part[hit.triangle];
+  }
+};
+
+}  // namespace burnish
