@@ -1,0 +1,131 @@
+// burnish/ad/check.h -- is this gradient right? Richardson differences in double say, or say that they cannot
+// SPDX-License-Identifier: Apache-2.0
+//
+// A difference with a fixed step misjudges a right slope near an edge and a wrong one where rounding rules. Here the central
+// difference is taken at eight steps, each half the last, and extrapolated (Richardson 1911; Ridders 1982); how well
+// the extrapolations agree is the judge's own error. Where that error is not small the verdict is `undecided`: an edge
+// (max, floor, a lattice line) lies within the steps, or the function is too rough for its rounding.
+#pragma once
+#include <algorithm>
+#include <random>
+#include <sstream>
+#include <burnish/ad/differentiate.h>
+
+namespace burnish {
+
+enum class Verdict { right, wrong, undecided };
+
+/// The worst parameter found.
+struct GradientCheck {
+  Verdict verdict = Verdict::right;
+  double error = 0;          ///< |slope - difference| / scale; scale is the larger of the two, or 1 % of the largest slope
+  std::string parameter;     ///< its name; arguments are numbered: "0.base_color.x"
+  double slope = 0, difference = 0, uncertainty = 0;  ///< uncertainty of the difference, in units of scale
+  std::string point;         ///< all parameters at the point, "name = value"
+  int checked = 0, undecided = 0;
+
+  explicit operator bool() const { return verdict != Verdict::wrong; }
+  std::string text() const {
+    std::ostringstream s;
+    s.precision(9);
+    s << (verdict == Verdict::right ? "right" : verdict == Verdict::wrong ? "wrong" : "undecided") << ": d/d " << parameter
+      << " = " << slope << ", differences say " << difference << " +- " << uncertainty << " of scale, error " << error
+      << " at " << point;
+    return s.str();
+  }
+};
+
+namespace detail {
+struct Difference {
+  double slope, uncertainty;
+};
+/// d f / d x at x by central differences, extrapolated to step zero.
+template <class F> Difference difference(F f, double x, double step) {
+  constexpr int levels = 8;
+  double table[levels][levels], best = 0, spread = std::numeric_limits<double>::infinity();
+  for (int i = 0; i < levels; ++i, step /= 2) {
+    const volatile double up = x + step, down = x - step;
+    table[i][0] = (f(up) - f(down)) / (up - down);
+    double power = 4;
+    for (int j = 1; j <= i; ++j, power *= 4) {
+      table[i][j] = table[i][j - 1] + (table[i][j - 1] - table[i - 1][j - 1]) / (power - 1);
+      const double e = std::max(std::fabs(table[i][j] - table[i][j - 1]), std::fabs(table[i][j] - table[i - 1][j - 1]));
+      if (e < spread) {
+        spread = e;
+        best = table[i][j];
+      }
+    }
+  }
+  return {best, spread};
+}
+}  // namespace detail
+
+/// Checks d f / d args at one point. f takes what differentiate takes; args are double, or structs of double.
+/// tolerance: the largest error called right, and the largest uncertainty called decided. step: first step, relative
+/// to max(|x|, 0.1).
+template <class F, class... Args> GradientCheck check_gradient(F&& f, double tolerance, double step, const Args&... args) {
+  const auto all = differentiate(f, args...);
+  std::vector<double> slopes;
+  std::vector<std::string> names;
+  std::tuple<Args...> point{args...}, d = [&]<std::size_t... I>(std::index_sequence<I...>) {
+    return std::tuple<Args...>{std::get<I + 1>(all)...};
+  }(std::index_sequence_for<Args...>{});
+  std::vector<double*> at;
+  const auto numbers = [](auto& t, auto visit) {
+    std::apply([&](auto&... a) { int k = 0; ((for_each_parameter(a, [&]<class X>(const std::string& n, X& x, Range) {
+                 if constexpr (Plain<X>) visit(std::to_string(k) + (n.empty() ? "" : "." + n), x);
+               }), ++k), ...); }, t);
+  };
+  numbers(d, [&](const std::string&, double& x) { slopes.push_back(x); });
+  numbers(point, [&](const std::string& n, double& x) {
+    names.push_back(n);
+    at.push_back(&x);
+  });
+  const auto value = [&] { return double(std::apply([&](const auto&... a) { return f(a...); }, point)); };
+  const double f0 = std::fabs(value());
+  double largest = 0;
+  for (const double s : slopes) largest = std::max(largest, std::fabs(s));
+  GradientCheck worst;
+  for (std::size_t i = 0; i < at.size(); ++i) {
+    const double x0 = *at[i], first = step * std::max(std::fabs(x0), 0.1);
+    const auto numeric = detail::difference([&](double x) { *at[i] = x; return value(); }, x0, first);
+    *at[i] = x0;
+    const double scale = std::max({std::fabs(slopes[i]), std::fabs(numeric.slope), 0.01 * largest, 1e-9 * f0, 1e-30});
+    const double error = std::fabs(slopes[i] - numeric.slope) / scale, doubt = numeric.uncertainty / scale;
+    Verdict v = error <= tolerance ? Verdict::right : doubt <= tolerance ? Verdict::wrong : Verdict::undecided;
+    if (!std::isfinite(slopes[i])) v = Verdict::wrong;
+    ++worst.checked;
+    worst.undecided += v == Verdict::undecided;
+    const auto badness = [](Verdict w) { return w == Verdict::wrong ? 2 : w == Verdict::undecided ? 1 : 0; };
+    if (worst.parameter.empty() || badness(v) > badness(worst.verdict) || (v == worst.verdict && !(error <= worst.error))) {
+      worst.verdict = v;
+      worst.error = error;
+      worst.parameter = names[i];
+      worst.slope = slopes[i];
+      worst.difference = numeric.slope;
+      worst.uncertainty = doubt;
+    }
+  }
+  std::ostringstream s;
+  s.precision(17);
+  for (std::size_t i = 0; i < at.size(); ++i) s << (i ? ", " : "") << names[i] << " = " << *at[i];
+  worst.point = s.str();
+  return worst;
+}
+/// With a tolerance of 1e-7 and a first step of 1e-2.
+template <class F, class... Args> GradientCheck check_gradient(F&& f, const Args&... args) requires(!std::is_same_v<std::tuple<Args...>, std::tuple<>>) {
+  return check_gradient(f, 1e-7, 1e-2, args...);
+}
+
+/// Every number of p somewhere inside its range, open ranges taken as -2 to 2. margin keeps off both ends, as a part of the width.
+template <class P, class Random> void randomize(P& p, Random& random, double margin = 0.01) {
+  for_each_parameter(p, [&]<class X>(const std::string&, X& x, Range range) {
+    if constexpr (Plain<X>) {
+      const double low = range.low <= anything.low ? -2 : range.low, high = range.high >= anything.high ? 2 : range.high;
+      const double pad = margin * (high - low);
+      x = X(std::uniform_real_distribution<double>(low + pad, high - pad)(random));
+    }
+  });
+}
+
+}  // namespace burnish
