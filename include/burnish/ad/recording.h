@@ -136,23 +136,23 @@ struct Recorded : detail::Elementary<Recorded> {
   struct Mask;
   static constexpr Mask less(const Recorded& a, const Recorded& b);
 
-  /// Gives y and true where no node is needed. `auto` makes clang instantiate it in time for the compiler's recordings.
-  template <class Op, std::size_t N> static constexpr auto folded(const std::array<Recorded, N>& x, Recorded& y) {
+  /// Gives y and true where no node is needed. R is Recorded: a dependent name, so that clang may use play in here.
+  template <class Op, class R, std::size_t N> static constexpr bool folded(const std::array<R, N>& x, R& y) {
     bool constants = true;
-    for (const Recorded& a : x) constants &= a.id < 0;
+    for (const R& a : x) constants &= a.id < 0;
     if (constants) {
       float in[N] = {};
       for (std::size_t k = 0; k < N; ++k) in[k] = x[k].constant;
-      y = Recorded(detail::value_of<Op>(std::make_index_sequence<N>{}, in));
+      y = R(detail::value_of<Op>(std::make_index_sequence<N>{}, in));
       return true;
     }
-    const Recorded &a = x[0], &b = x[N - 1];
+    const R &a = x[0], &b = x[N - 1];
     if constexpr (std::is_same_v<Op, op::Add>) return a.is(0) ? (y = b, true) : b.is(0) ? (y = a, true) : false;
     if constexpr (std::is_same_v<Op, op::Sub>) return b.is(0) ? (y = a, true) : a.is(0) ? (y = -b, true) : false;
     if constexpr (std::is_same_v<Op, op::Mul>)
-      return a.is(1) ? (y = b, true) : b.is(1) ? (y = a, true) : a.is(0) || b.is(0) ? (y = Recorded(0.0f), true) : false;
+      return a.is(1) ? (y = b, true) : b.is(1) ? (y = a, true) : a.is(0) || b.is(0) ? (y = R(0.0f), true) : false;
     if constexpr (std::is_same_v<Op, op::Div>)
-      return b.id < 0 ? (y = a * Recorded(1 / b.constant), true) : a.is(0) ? (y = Recorded(0.0f), true) : false;
+      return b.id < 0 ? (y = a * R(1 / b.constant), true) : a.is(0) ? (y = R(0.0f), true) : false;
     return false;
   }
   template <class Op, std::size_t N> static constexpr std::array<Recorded, Op::outputs> play(const std::array<Recorded, N>& x) {
