@@ -3,6 +3,7 @@
 # shellcheck shell=bash
 
 # What every program of ours is built with.
+# shellcheck disable=SC2034
 build_packages=(g++ cmake ninja-build libembree-dev libopenimageio-dev openimageio-tools libassimp-dev
   nlohmann-json3-dev libcli11-dev)
 
