@@ -47,7 +47,7 @@ if("io" IN_LIST burnish_FIND_COMPONENTS AND NOT TARGET burnish::io)
       burnish::burnish OpenImageIO::OpenImageIO assimp::assimp nlohmann_json::nlohmann_json)
   else()
     set(burnish_io_NOT_FOUND_MESSAGE "burnish::io wants OpenImageIO, Assimp and nlohmann_json (Debian, Ubuntu: \
-libopenimageio-dev openimageio-tools libassimp-dev nlohmann-json3-dev)")
+libopenimageio-dev openimageio-tools libassimp-dev zlib1g-dev nlohmann-json3-dev)")
   endif()
 endif()
 

@@ -2,10 +2,11 @@
 # SPDX-License-Identifier: Apache-2.0
 # shellcheck shell=bash
 
-# What every program of ours is built with.
+# What every program of ours is built with. OpenImageIO's package file looks for its tools, Assimp's for zlib; on Debian
+# 12 neither is a dependency of the -dev package.
 # shellcheck disable=SC2034
 build_packages=(g++ cmake ninja-build libembree-dev libopenimageio-dev openimageio-tools libassimp-dev
-  nlohmann-json3-dev libcli11-dev)
+  zlib1g-dev nlohmann-json3-dev libcli11-dev)
 
 # needs PACKAGE...: says which are missing and installs them. Asks nothing, but for sudo's password at a terminal.
 needs() {
