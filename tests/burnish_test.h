@@ -8,8 +8,7 @@
 #include <catch2/catch_test_macros.hpp>
 #include <catch2/generators/catch_generators_all.hpp>
 #include <catch2/matchers/catch_matchers_all.hpp>
-#else
-#include <catch2/catch.hpp>
-#endif
-
 using Catch::Approx;
+#else
+#include <catch2/catch.hpp>  // brings Approx itself
+#endif
