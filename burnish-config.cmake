@@ -3,7 +3,7 @@
 #
 # burnish::burnish  the headers; nothing besides threads
 # raycast           burnish::raycast, with Embree 4 or 3: burnish/scene/raycast.h
-# io                burnish::io, with OpenImageIO, Assimp and nlohmann_json: burnish/io/
+# io                burnish::io, with OpenImageIO, Assimp, nlohmann_json and minizip: burnish/io/
 #
 # A component whose packages are missing has no target, and burnish_<component>_NOT_FOUND_MESSAGE says what it wants.
 # The library's own CMakeLists.txt reads this file too, so what a component is made of is said only here.
@@ -32,7 +32,11 @@ if("io" IN_LIST burnish_FIND_COMPONENTS AND NOT TARGET burnish::io)
   find_package(OpenImageIO 2.4 CONFIG QUIET)
   find_package(assimp CONFIG QUIET)
   find_package(nlohmann_json CONFIG QUIET)
-  if(OpenImageIO_FOUND AND assimp_FOUND AND nlohmann_json_FOUND)
+  find_path(burnish_MINIZIP_INCLUDE_DIR minizip/unzip.h)
+  find_library(burnish_MINIZIP_LIBRARY minizip)
+  mark_as_advanced(burnish_MINIZIP_INCLUDE_DIR burnish_MINIZIP_LIBRARY)
+  if(OpenImageIO_FOUND AND assimp_FOUND AND nlohmann_json_FOUND AND burnish_MINIZIP_INCLUDE_DIR
+      AND burnish_MINIZIP_LIBRARY)
     # Debian and Ubuntu's OpenImageIO names the folder of OpenCV's headers, needs none and does not install it.
     get_target_property(burnish_dirs OpenImageIO::OpenImageIO INTERFACE_INCLUDE_DIRECTORIES)
     foreach(burnish_dir IN LISTS burnish_dirs)
@@ -44,10 +48,12 @@ if("io" IN_LIST burnish_FIND_COMPONENTS AND NOT TARGET burnish::io)
     unset(burnish_dirs)
     add_library(burnish::io INTERFACE IMPORTED)
     set_property(TARGET burnish::io PROPERTY INTERFACE_LINK_LIBRARIES
-      burnish::burnish OpenImageIO::OpenImageIO assimp::assimp nlohmann_json::nlohmann_json)
+      burnish::burnish OpenImageIO::OpenImageIO assimp::assimp nlohmann_json::nlohmann_json
+      ${burnish_MINIZIP_LIBRARY})
+    set_property(TARGET burnish::io PROPERTY INTERFACE_INCLUDE_DIRECTORIES ${burnish_MINIZIP_INCLUDE_DIR})
   else()
-    set(burnish_io_NOT_FOUND_MESSAGE "burnish::io wants OpenImageIO, Assimp and nlohmann_json (Debian, Ubuntu: \
-libopenimageio-dev openimageio-tools libassimp-dev zlib1g-dev nlohmann-json3-dev)")
+    set(burnish_io_NOT_FOUND_MESSAGE "burnish::io wants OpenImageIO, Assimp, nlohmann_json and minizip (Debian, \
+Ubuntu: libopenimageio-dev openimageio-tools libassimp-dev zlib1g-dev nlohmann-json3-dev libminizip-dev)")
   endif()
 endif()
 

@@ -16,6 +16,7 @@
 #include <burnish/ad/plan.h>
 #include <burnish/ad/recording.h>
 #include <burnish/ad/repeat.h>
+#include <burnish/ad/replay.h>
 #include <burnish/ad/tape.h>
 #include <burnish/math/noise.h>
 #include <burnish/math/vec.h>
@@ -32,4 +33,8 @@
 #include <burnish/shade/diffuse.h>
 #include <burnish/shade/fresnel.h>
 #include <burnish/shade/ggx.h>
+#include <burnish/light/environment.h>
+#include <burnish/light/pyramid.h>
+#include <burnish/light/rings.h>
+#include <burnish/light/sun.h>
 #include <burnish/version.h>

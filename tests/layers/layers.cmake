@@ -17,7 +17,7 @@ set(below_io "ad/" "math/" "nodes/" "scene/" "shade/" "light/" "graph/" "fit/")
 
 # Third parties, each behind one door.
 set(third_scene/raycast.h "^embree[34]/")
-set(third_io "^(OpenImageIO|assimp|nlohmann)/")
+set(third_io "^(OpenImageIO|assimp|minizip|nlohmann)/")
 
 file(GLOB_RECURSE headers RELATIVE ${include}/burnish ${include}/burnish/*.h)
 foreach(header IN LISTS headers)
