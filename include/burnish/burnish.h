@@ -18,7 +18,11 @@
 #include <burnish/ad/repeat.h>
 #include <burnish/ad/replay.h>
 #include <burnish/ad/tape.h>
+#include <burnish/math/color.h>
+#include <burnish/math/frame.h>
 #include <burnish/math/noise.h>
+#include <burnish/math/sh.h>
+#include <burnish/math/smooth.h>
 #include <burnish/math/vec.h>
 #include <burnish/nodes/surface.h>
 #include <burnish/scene/camera.h>
@@ -37,4 +41,7 @@
 #include <burnish/light/pyramid.h>
 #include <burnish/light/rings.h>
 #include <burnish/light/sun.h>
+#include <burnish/light/transport.h>
+#include <burnish/fit/planes.h>
+#include <burnish/fit/render.h>
 #include <burnish/version.h>
