@@ -35,7 +35,7 @@ template <class T> constexpr vec3<T> oren_nayar(const vec3<T>& albedo, const sam
   return albedo * (vec3<T>(once) + tint * again) * T(inverse_pi);
 }
 
-/// Burley 2012, section 5.3. Not bounded: at roughness 1 a white surface reflects up to 1.3 times what it gets, grazing.
+/// Burley 2012, section 5.3. Not bounded: at roughness 1 a white surface seen grazing reflects up to 1.5 times what it gets.
 template <class T> constexpr vec3<T> burley(const vec3<T>& albedo, const same<T>& roughness, const same<T>& nl,
                                             const same<T>& nv, const same<T>& vh) {
   const T f90 = 0.5f + 2.0f * roughness * vh * vh;

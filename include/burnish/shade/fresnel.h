@@ -67,8 +67,11 @@ template <class T> constexpr vec3<T> fresnel_f82(const T& c, const vec3<same<T>>
   return {fresnel_f82(c, f0.x, tint.x), fresnel_f82(c, f0.y, tint.y), fresnel_f82(c, f0.z, tint.z)};
 }
 
-/// The mean of fresnel_dielectric over the hemisphere, cosine-weighted; ior >= 1; within 3 % relative for 1.1 <= ior <= 3
-/// (Kulla and Conty 2017).
-template <class T> constexpr T fresnel_average(const T& ior) { return (ior - 1.0f) / (4.08567f + 1.00071f * ior); }
+/// The mean of fresnel_dielectric over the hemisphere, cosine-weighted: a fit of our own, within 0.5 % relative for
+/// 1.02 <= ior <= 3, and 0 at 1.
+template <class T> constexpr T fresnel_average(const T& ior) {
+  const T x = ior - 1.0f;
+  return x * (0.32306f + 1.11142f * x) / (1.0f + x * (7.18273f + 0.75438f * x));
+}
 
 }  // namespace burnish

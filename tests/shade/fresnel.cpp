@@ -1,0 +1,94 @@
+// tests/shade/fresnel.cpp -- the laws of burnish/shade/fresnel.h
+// SPDX-License-Identifier: Apache-2.0
+#include <burnish/shade/fresnel.h>
+#include <complex>
+#include "everywhere.h"
+using namespace everywhere;
+
+namespace {
+/// From the complex refracted cosine, as written in any text on optics.
+double by_complex_numbers(double c, std::complex<double> n) {
+  const std::complex<double> t = std::sqrt(1.0 - (1 - c * c) / (n * n)), s = (c - n * t) / (c + n * t);
+  const std::complex<double> p = (n * c - t) / (n * c + t);
+  return 0.5 * (std::norm(s) + std::norm(p));
+}
+/// 2 times the integral of f(c) c, by Simpson's rule; cosine-weighted mean.
+template <class F> double mean(F f) {
+  const int n = 20000;
+  double sum = 0;
+  for (int i = 0; i <= n; ++i) sum += (i == 0 || i == n ? 1 : i % 2 ? 4 : 2) * f(double(i) / n) * (2.0 * i / n);
+  return sum / (3 * n);
+}
+}  // namespace
+
+TEST_CASE("Fresnel: dielectric and conductor are those of complex optics", "[shade][value]") {
+  for (const double c : {0.01, 0.1, 0.35, 0.7, 0.99, 1.0}) {
+    for (const double eta : {1.1, 1.5, 2.5}) {
+      CHECK(fresnel_dielectric(c, eta) == Approx(by_complex_numbers(c, eta)).epsilon(1e-12));
+      for (const double k : {0.5, 2.0, 6.0})
+        CHECK(fresnel_conductor(c, 0.2 * eta, k) == Approx(by_complex_numbers(c, {0.2 * eta, k})).epsilon(1e-10));
+    }
+    CHECK(fresnel_conductor(c, 1.5, 0.0) == Approx(fresnel_dielectric(c, 1.5)).epsilon(1e-10));
+  }
+  CHECK(fresnel_dielectric(1.0, 1.5) == Approx(0.04).epsilon(1e-12));
+  CHECK(fresnel_dielectric(0.0, 1.5) == Approx(1));
+  CHECK(f0_from_ior(1.5) == Approx(0.04).epsilon(1e-12));
+  CHECK(f0_from_ior(1 / 1.5) == Approx(0.04).epsilon(1e-12));
+}
+
+TEST_CASE("Fresnel: from the denser side there is total reflection, and the rest is the way back", "[shade][limit]") {
+  const double eta = 1.5;
+  CHECK(fresnel_dielectric(0.5, 1 / eta) == 1);  // sin = .866 > 1/1.5
+  CHECK(fresnel_dielectric(0.0, 1 / eta) == 1);
+  for (const double c : {0.3, 0.6, 0.95}) {
+    const double inside = std::sqrt(1 - (1 - c * c) / (eta * eta));
+    CHECK(fresnel_dielectric(inside, 1 / eta) == Approx(fresnel_dielectric(c, eta)).epsilon(1e-10));
+  }
+}
+
+TEST_CASE("Fresnel: Schlick's ends, and an interface that is none reflects nothing", "[shade][limit]") {
+  CHECK(fresnel_schlick(1.0, 0.3) == 0.3);
+  CHECK(fresnel_schlick(0.0, 0.3) == 1);
+  CHECK(fresnel_schlick(0.0, 0.3, 0.7) == 0.7);
+  CHECK(fresnel_schlick(0.5, vec3<double>(0.1, 0.2, 0.3)).y == Approx(0.2 + 0.8 / 32).epsilon(1e-14));
+  CHECK(f90_from_f0(f0_from_ior(1.0)) == 0);
+  CHECK(f90_from_f0(f0_from_ior(1.33)) == Approx(1).margin(1e-4));
+  CHECK(f90_from_f0(0.04) == 1);
+}
+
+TEST_CASE("Fresnel: F82 takes its tint at 82 degrees and never goes below nothing", "[shade][value]") {
+  for (const double f0 : {0.1, 0.5, 0.95})
+    for (const double tint : {0.3, 0.8, 1.0})
+      CHECK(fresnel_f82(1.0 / 7, f0, tint) == Approx(tint * fresnel_schlick(1.0 / 7, f0)).epsilon(1e-6));
+  CHECK(fresnel_f82(1.0, 0.5, 0.2) == 0.5);
+  CHECK(fresnel_f82(0.4, 0.6, 1.0) == Approx(fresnel_schlick(0.4, 0.6)).epsilon(1e-14));
+  double least = 1;
+  for (double c = 0; c <= 1; c += 0.01) least = std::min(least, fresnel_f82(c, 0.0, 0.0));
+  CHECK(least >= 0);
+}
+
+TEST_CASE("Fresnel: the mean over the hemisphere is that of quadrature, seen from both sides", "[shade][value]") {
+  for (const double ior : {1.02, 1.1, 1.3, 1.5, 1.6, 2.0, 3.0}) {
+    const double outside = mean([&](double c) { return fresnel_dielectric(c, ior); });
+    CHECK(fresnel_average(ior) == Approx(outside).epsilon(0.005));
+    const double inside = mean([&](double c) { return fresnel_dielectric(c, 1 / ior); });
+    CHECK(inside == Approx(1 - (1 - outside) / (ior * ior)).epsilon(1e-3));
+  }
+  CHECK(fresnel_average(1.0) == 0);
+}
+
+TEST_CASE("Fresnel: all numbers agree and the slopes are right", "[shade][gradient]") {
+  // Off the edges: total reflection, the end of f90_from_f0 at .02, f82 reaching 0, q = 0 of the conductor with k = 0.
+  holds([](auto c, auto f0) { return fresnel_schlick(c, f0) + f0_from_ior(1.0f + f0); },
+        [](Random& r) { return std::tuple{between(r, 0.02, 0.98), between(r, 0.05, 0.95)}; });
+  holds([](auto f0) { return f90_from_f0(f0); }, [](Random& r) { return std::tuple{between(r, 0.002, 0.018)}; });
+  holds([](auto c, auto eta) { return fresnel_dielectric(c, eta); },
+        [](Random& r) { return std::tuple{between(r, 0.1, 0.98), between(r, 1.1, 3)}; });
+  holds([](auto c, auto eta) { return fresnel_dielectric(c, eta); },
+        [](Random& r) { return std::tuple{between(r, 0.9, 0.98), between(r, 0.6, 0.9)}; }, 1e-4);
+  holds([](auto c, auto eta, auto k) { return fresnel_conductor(c, eta, k); },
+        [](Random& r) { return std::tuple{between(r, 0.05, 0.98), between(r, 0.1, 3), between(r, 0.2, 6)}; });
+  holds([](auto c, auto f0, auto tint) { return fresnel_f82(c, f0, tint); },
+        [](Random& r) { return std::tuple{between(r, 0.05, 0.98), between(r, 0.3, 0.95), between(r, 0.6, 0.99)}; });
+  holds([](auto ior) { return fresnel_average(ior); }, [](Random& r) { return std::tuple{between(r, 1.05, 3)}; });
+}
