@@ -54,6 +54,10 @@ template <template <class> class P, Number T, class U> struct rebind<P<T>, U> {
 };
 template <class P, class U> using rebind_t = typename rebind<P, U>::type;
 
+template <class X, std::size_t N, class U> struct rebind<std::array<X, N>, U> {
+  using type = std::array<rebind_t<X, U>, N>;
+};
+
 /// An image, a table: what a look reads and no number can hold. The plain form owns the data, so that it can be a
 /// parameter and a derivative; the form in any other number is a view of it.
 template <class T, class D> struct Resource {
@@ -94,6 +98,8 @@ template <class P> constexpr bool complete() {
 }
 template <class X> inline constexpr bool is_fixed = false;
 template <class S, class M> inline constexpr bool is_fixed<Fixed<S, M>> = true;
+template <class X> inline constexpr bool is_array = false;
+template <class X, std::size_t N> inline constexpr bool is_array<std::array<X, N>> = true;
 
 template <std::size_t I, class F, class A, class... B> constexpr void each_member(F& f, A& a, B&... b);
 template <class F, class A, class... B, std::size_t... I>
@@ -107,6 +113,8 @@ template <class F, class A, class... B> constexpr void each_leaf(F& f, A& a, B&.
                   "burnish: parameters() of this struct does not list every member; add Param{\"name\", &S::member} "
                   "for a number, a vector, a node or an image, or Fixed{&S::member} for what is never fitted");
     each_in_order(std::make_index_sequence<listed<P>>{}, f, a, b...);
+  } else if constexpr (is_array<P>) {
+    for (std::size_t i = 0; i < a.size(); ++i) each_leaf(f, a[i], b[i]...);
   } else f(a, b...);
 }
 template <std::size_t I, class F, class A, class... B> constexpr void each_member(F& f, A& a, B&... b) {
@@ -143,6 +151,8 @@ void named_in_order(std::index_sequence<I...>, F& f, A& a, const std::string& pr
 template <class F, class A> void named_leaf(F& f, A& a, const std::string& name, Range range) {
   if constexpr (Model<std::remove_cv_t<A>>)
     named_in_order(std::make_index_sequence<listed<std::remove_cv_t<A>>>{}, f, a, name, range);
+  else if constexpr (is_array<std::remove_cv_t<A>>)
+    for (std::size_t i = 0; i < a.size(); ++i) named_leaf(f, a[i], name + "." + std::to_string(i), range);
   else f(name, a, range);
 }
 

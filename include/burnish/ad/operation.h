@@ -72,6 +72,16 @@ struct MulAdd : Operation<3> {
   template <class T> static constexpr T value(T a, T b, T c) { return a * b + c; }
   template <class T> static constexpr Back<T, 3> back(T d, T, T a, T b, T) { return {d * b, d * a, d}; }
 };
+/// a b - c.
+struct MulSub : Operation<3> {
+  template <class T> static constexpr T value(T a, T b, T c) { return a * b - c; }
+  template <class T> static constexpr Back<T, 3> back(T d, T, T a, T b, T) { return {d * b, d * a, -d}; }
+};
+/// c - a b.
+struct SubMul : Operation<3> {
+  template <class T> static constexpr T value(T a, T b, T c) { return c - a * b; }
+  template <class T> static constexpr Back<T, 3> back(T d, T, T a, T b, T) { return {-d * b, -d * a, d}; }
+};
 struct Neg : Operation<1> {
   template <class T> static constexpr T value(T a) { return -a; }
   template <class T> static constexpr Back<T, 1> back(T d, T, T) { return {-d}; }
