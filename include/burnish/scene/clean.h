@@ -229,23 +229,37 @@ inline void drop_ground(Mesh& m, MeshReport& report) {
 
 /// Gives every corner a unit normal. Missing ones become the mean of the faces that meet there at less than `crease`
 /// degrees, weighted by their angle, vertices welded by position. Triangles whose three normals all point through the
-/// back are wound the other way round; single corners that do get a new normal. Which side is outside stays unknown: the
-/// winding of a neighbour is not relied on.
+/// back are wound the other way round; single corners that do get a new normal, and so do all of a part where a tenth or
+/// more are like that or stand over 70 degrees from their face. Which side is outside stays unknown: the winding of a
+/// neighbour is not relied on.
 inline void fill_normals(Mesh& m, MeshReport& report, float crease = 40) {
   using namespace detail;
   const int n = int(m.triangles.size());
   std::vector<vec3<float>> faces(n), corners = corner_normals(m);
-  long missing = 0, wrong = 0, turned = 0;
+  std::vector<long> bad(m.parts.size()), all(m.parts.size());
+  long missing = 0, wrong = 0, turned = 0, disbelieved = 0;
   for (int t = 0; t < n; ++t) {
     faces[t] = unit_or_zero(m.cross_of(t));
-    std::array<bool, 3> behind{};
+    int behind = 0, steep = 0;
     for (int k = 0; k < 3; ++k) {
       vec3<float>& c = corners[3 * t + k];
       c = finite(c) ? unit_or_zero(c) : vec3<float>();
-      missing += dot(c, c) == 0;
-      behind[k] = dot(c, faces[t]) < 0;
+      if (dot(c, c) == 0) {
+        ++missing;
+        continue;
+      }
+      const float d = dot(c, faces[t]);
+      behind += d < 0, steep += std::abs(d) < 0.34f;
+      ++all[m.part[t]];
     }
-    if (behind[0] && behind[1] && behind[2]) {
+    bad[m.part[t]] += std::max(steep, behind < 3 ? behind : 0);
+  }
+  for (std::size_t p = 0; p < m.parts.size(); ++p) disbelieved += bad[p] > 0.1 * double(all[p]);
+  for (int t = 0; t < n; ++t) {
+    const bool disbelieve = bad[m.part[t]] > 0.1 * double(all[m.part[t]]);
+    std::array<bool, 3> behind{};
+    for (int k = 0; k < 3; ++k) behind[k] = dot(corners[3 * t + k], faces[t]) < 0;
+    if (!disbelieve && behind[0] && behind[1] && behind[2]) {
       std::swap(m.triangles[t][1], m.triangles[t][2]);
       std::swap(corners[3 * t + 1], corners[3 * t + 2]);
       faces[t] = -faces[t];
@@ -253,10 +267,12 @@ inline void fill_normals(Mesh& m, MeshReport& report, float crease = 40) {
       continue;
     }
     for (int k = 0; k < 3; ++k) {
-      if (behind[k]) corners[3 * t + k] = {}, ++wrong;
+      if (!behind[k] && !disbelieve) continue;
+      corners[3 * t + k] = {};
+      wrong += !disbelieve;
     }
   }
-  if (missing + wrong > 0) {
+  if (missing + wrong + disbelieved > 0) {
     const std::vector<int> place = weld(m);
     std::vector<std::vector<std::pair<int, float>>> around(m.positions.size());  // faces and their angles at each place
     for (int t = 0; t < n; ++t) {
@@ -280,6 +296,7 @@ inline void fill_normals(Mesh& m, MeshReport& report, float crease = 40) {
   report.count(missing, "corners without a normal: made from the faces around them, creases from " +
                             std::to_string(int(crease)) + " degrees");
   report.count(wrong, "corner normals that pointed through the back: made anew");
+  report.count(disbelieved, "parts with normals that do not fit their faces: made anew");
   report.count(turned, "triangles wound against their normals: turned");
 }
 

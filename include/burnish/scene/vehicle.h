@@ -18,36 +18,53 @@ struct VehicleOptions {
 };
 
 namespace detail {
-inline bool named(const Part& p, std::initializer_list<const char*> words) {
-  std::string s = p.name + " " + p.material;
-  for (char& c : s) c = char(std::tolower(static_cast<unsigned char>(c)));
-  return std::any_of(words.begin(), words.end(), [&](const char* w) { return s.find(w) != s.npos; });
+/// "wheelFrontLeft", "Wheel F-L" -> "_wheel_front_left_", "_wheel_f_l_": name and material of a part, for finding words.
+inline std::string words_of(const Part& p) {
+  std::string s = "_";
+  char before = '_';
+  for (char c : p.name + " " + p.material + " ") {
+    const auto u = static_cast<unsigned char>(c);
+    if (std::isupper(u) && std::islower(static_cast<unsigned char>(before))) s += '_';
+    s += std::isalnum(u) ? char(std::tolower(u)) : '_';
+    before = c;
+  }
+  return s;
 }
-/// The mean place of the triangles of all parts that are named so, by area; false when there are none.
-inline bool middle_of(const Mesh& m, std::initializer_list<const char*> words, vec3<float>& middle) {
+struct Middle {
+  float area = 0;
+  vec3<float> place;
+  Box box;
+};
+/// Of all parts whose words contain one of those: their area, mean place by area, and box.
+inline Middle middle_of(const Mesh& m, std::initializer_list<const char*> wanted, const char* unwanted = "\n") {
   std::vector<bool> chosen;
-  for (const Part& p : m.parts) chosen.push_back(named(p, words));
+  for (const Part& p : m.parts) {
+    const std::string s = words_of(p);
+    const auto in = [&](const char* w) { return s.find(w) != s.npos; };
+    chosen.push_back(!in(unwanted) && std::any_of(wanted.begin(), wanted.end(), in));
+  }
   vec3<double> sum;
   double area = 0;
+  Middle out;
   for (std::size_t t = 0; t < m.triangles.size(); ++t) {
     if (!chosen[m.part[t]]) continue;
-    const vec3<float> n = m.cross_of(int(t));
-    const double a = std::sqrt(dot(n, n)) / 3;
+    const double a = std::sqrt(double(dot(m.cross_of(int(t)), m.cross_of(int(t))))) / 3;
     for (int v : m.triangles[t]) {
       const vec3<float> p = m.positions[v];
       sum = sum + vec3<double>(p.x, p.y, p.z) * a;
+      out.box.add(p);
     }
     area += 3 * a;
   }
-  if (area <= 0) return false;
-  middle = {float(sum.x / area), float(sum.y / area), float(sum.z / area)};
-  return true;
+  out.area = float(area);
+  if (area > 0) out.place = {float(sum.x / area), float(sum.y / area), float(sum.z / area)};
+  return out;
 }
-/// How far a mesh is its own mirror image across the middle of one axis: the shared part of its vertices' mass, 0 to 1.
+
+/// How far a mesh is its own mirror image across the middle of one axis: the shared part of its corners, 0 to 1.
 inline float symmetry(const Mesh& m, const Box& box, int axis) {
-  constexpr int n = 24;
+  constexpr int n = 16;
   std::vector<float> cells(n * n * n);
-  float total = 0;
   for (const auto& triangle : m.triangles) {
     for (int v : triangle) {
       int index = 0;
@@ -56,7 +73,6 @@ inline float symmetry(const Mesh& m, const Box& box, int axis) {
         index = index * n + std::clamp(int(x * n), 0, n - 1);
       }
       cells[index] += 1;
-      total += 1;
     }
   }
   float shared = 0;
@@ -65,42 +81,27 @@ inline float symmetry(const Mesh& m, const Box& box, int axis) {
     c[axis] = n - 1 - c[axis];
     shared += std::min(cells[i], cells[(c[0] * n + c[1]) * n + c[2]]);
   }
-  return shared / std::max(total, 1.0f);
+  return shared / (3 * float(m.triangles.size()));
 }
 /// The mean distance from the middle of `across`, in half widths, over the slab of `along` between the shares lo and hi.
 inline float spread_in(const Mesh& m, const Box& box, int along, float lo, float hi, int across) {
   double sum = 0, area = 0;
   for (std::size_t t = 0; t < m.triangles.size(); ++t) {
-    const vec3<float> n = m.cross_of(int(t));
-    const double a = std::sqrt(dot(n, n));
-    vec3<float> p = m.positions[m.triangles[t][0]] + m.positions[m.triangles[t][1]] + m.positions[m.triangles[t][2]];
-    p = p / 3.0f;
+    const auto& [i, j, k] = m.triangles[t];
+    const vec3<float> p = (m.positions[i] + m.positions[j] + m.positions[k]) / 3.0f;
     const float s = (at(p, along) - at(box.low, along)) / at(box.size(), along);
     if (s < lo || s > hi) continue;
+    const double a = std::sqrt(double(dot(m.cross_of(int(t)), m.cross_of(int(t)))));
     sum += a * std::abs(at(p, across) - at(box.center(), across)) / (0.5f * at(box.size(), across));
     area += a;
   }
   return area > 0 ? float(sum / area) : 0;
 }
-/// The height of the top, as a share of the box, over the slab of `along` between the shares lo and hi.
-inline float height_in(const Mesh& m, const Box& box, int along, float lo, float hi, int up, float up_sign) {
-  float top = 0;
-  for (const auto& triangle : m.triangles) {
-    for (int v : triangle) {
-      const float s = (at(m.positions[v], along) - at(box.low, along)) / at(box.size(), along);
-      const float h = (at(m.positions[v], up) - at(box.low, up)) / at(box.size(), up);
-      if (s >= lo && s <= hi) top = std::max(top, up_sign > 0 ? h : 1 - h);
-    }
-  }
-  return top;
-}
+
 struct Axis {
   int index;
   float sign;
-  std::string name() const { return std::string(sign > 0 ? "+" : "-") + "xyz"[index]; }
-  vec3<float> vector() const {
-    return {index == 0 ? sign : 0, index == 1 ? sign : 0, index == 2 ? sign : 0};
-  }
+  vec3<float> vector() const { return {index == 0 ? sign : 0, index == 1 ? sign : 0, index == 2 ? sign : 0}; }
 };
 /// "+z", "-x", "y"; false for anything else.
 inline bool parse(const std::string& text, Axis& axis) {
@@ -109,110 +110,185 @@ inline bool parse(const std::string& text, Axis& axis) {
   axis = {int(i), text[0] == '-' ? -1.0f : 1.0f};
   return true;
 }
+/// "+z" for an axis, else "(0.87 0.00 -0.50)".
+inline std::string axis_name(const vec3<float>& v) {
+  for (int a = 0; a < 3; ++a) {
+    if (std::abs(at(v, a)) > 0.9999f) return std::string(at(v, a) > 0 ? "+" : "-") + "xyz"[a];
+  }
+  char text[64];
+  std::snprintf(text, sizeof text, "(%.2f %.2f %.2f)", double(v.x), double(v.y), double(v.z));
+  return text;
+}
 
-inline Axis find_up(const Mesh& m, const Box& box, std::string& why) {
-  const vec3<float> half = box.size() * 0.5f;
-  vec3<float> wheels;
-  if (middle_of(m, {"wheel", "tire", "tyre", "rim", "hubcap", "pneu", "rubber"}, wheels)) {
-    const vec3<float> d = wheels - box.center();
+inline Axis find_up(const Mesh& m, std::string& why) {
+  const Box box = bounds(m);
+  const vec3<float> size = box.size();
+  const float longest = std::max({size.x, size.y, size.z});
+  const Middle wheels = middle_of(m, {"wheel", "tire", "tyre", "_rim", "hubcap", "pneu"}, "steer");
+  const vec3<float> reach = wheels.box.size();
+  if (wheels.area > 0 && std::max({reach.x, reach.y, reach.z}) > 0.4f * longest) {  // not one wheel alone
+    const vec3<float> d = wheels.place - box.center();
     Axis best{1, 1};
     float most = 0;
     for (int a = 0; a < 3; ++a) {
-      const float offset = at(d, a) / std::max(at(half, a), 1e-30f);
-      if (std::abs(offset) > most) most = std::abs(offset), best = {a, offset < 0 ? 1.0f : -1.0f};
+      const float offset = 2 * at(d, a) / std::max(at(size, a), 1e-30f);
+      if (std::abs(offset) > most && at(size, a) < longest) most = std::abs(offset), best = {a, offset < 0 ? 1.0f : -1.0f};
     }
-    // The wheels lie low, and up is not the longest axis.
-    if (most > 0.25f && at(half, best.index) < 0.999f * std::max({half.x, half.y, half.z})) {
+    if (most > 0.25f) {
       why = "by where the wheels are";
       return best;
     }
   }
-  const int length = half.x >= half.y && half.x >= half.z ? 0 : half.z >= half.y ? 2 : 1;
+  // Length is the longest axis; of the other two a vehicle is symmetric across one, and stands along the other.
+  const int length = size.x == longest ? 0 : size.z == longest ? 2 : 1;
   const int a = (length + 1) % 3, b = (length + 2) % 3;
-  const float symmetric_a = symmetry(m, box, a), symmetric_b = symmetry(m, box, b);
-  int up, across;
-  if (std::abs(symmetric_a - symmetric_b) > 0.1f) {
-    across = symmetric_a > symmetric_b ? a : b;
-    up = across == a ? b : a;
-    why = "by the mirror symmetry";
-  } else {
-    up = length == 1 ? 2 : 1;
-    across = 3 - length - up;
-    why = "by custom: the shape does not tell";
-  }
-  const float top = spread_in(m, box, up, 0.8f, 1, across), bottom = spread_in(m, box, up, 0, 0.2f, across);
-  const bool upside_down = top > bottom + 0.2f;
-  if (upside_down) why += ", turned over as the narrower end is the roof";
-  return {up, upside_down ? -1.0f : 1.0f};
+  const float in_a = symmetry(m, box, a), in_b = symmetry(m, box, b);
+  int up = length == 1 ? 2 : 1;
+  why = "by custom: the shape does not tell";
+  if (std::max(in_a, in_b) > 1.3f * std::min(in_a, in_b)) up = in_a > in_b ? b : a, why = "by the mirror symmetry";
+  const int across = 3 - length - up;
+  if (spread_in(m, box, up, 0.8f, 1, across) < spread_in(m, box, up, 0, 0.2f, across) + 0.2f) return {up, 1};
+  why += ", turned over as the narrower end is the roof";
+  return {up, -1};
 }
 
-inline Axis find_front(const Mesh& m, const Box& box, Axis up, std::string& why) {
-  const int a = (up.index + 1) % 3, b = (up.index + 2) % 3;
-  const int along = at(box.size(), a) >= at(box.size(), b) ? a : b;
-  const float half = std::max(0.5f * at(box.size(), along), 1e-30f), center = at(box.center(), along);
-  vec3<float> p;
+/// How far the mesh is turned in the plane y = 0 away from the nearest axis, by the principal axes of its surface, which
+/// for a mirror-symmetric body are its own; radians. 0 when it is as wide as long, or its box would hardly be smaller.
+inline float find_yaw(const Mesh& m) {
+  double area = 0, x = 0, z = 0, xx = 0, xz = 0, zz = 0;
+  for (std::size_t t = 0; t < m.triangles.size(); ++t) {
+    const double a = std::sqrt(double(dot(m.cross_of(int(t)), m.cross_of(int(t)))));
+    for (int v : m.triangles[t]) {
+      const double px = m.positions[v].x, pz = m.positions[v].z;
+      area += a, x += a * px, z += a * pz, xx += a * px * px, xz += a * px * pz, zz += a * pz * pz;
+    }
+  }
+  x /= area, z /= area;
+  xx = xx / area - x * x, xz = xz / area - x * z, zz = zz / area - z * z;
+  const double split = std::hypot(xx - zz, 2 * xz), sum = xx + zz;
+  if (sum + split < 1.5 * (sum - split)) return 0;
+  const double angle = 0.5 * std::atan2(2 * xz, xx - zz);
+  const float yaw = float(angle - std::round(angle / 1.5707963267949) * 1.5707963267949);
+  Box turned;
+  for (const auto& triangle : m.triangles) {
+    for (int v : triangle) {
+      const vec3<float> p = m.positions[v];
+      turned.add({p.x * std::cos(yaw) + p.z * std::sin(yaw), 0, p.z * std::cos(yaw) - p.x * std::sin(yaw)});
+    }
+  }
+  const vec3<float> before = bounds(m).size(), after = turned.size();
+  return after.x * after.z < 0.95f * before.x * before.z ? yaw : 0;
+}
+
+/// Whether the front of a vehicle that stands along x with +Y up is at +x: by the names of parts, else by its profile.
+inline bool front_is_ahead(const Mesh& m, std::string& why) {
+  const Box box = bounds(m);
+  const float half = 0.5f * box.size().x, center = box.center().x;
+  const Middle front = middle_of(m, {"front", "headl", "head_l", "hood", "bonnet", "windsh", "windsc", "grill", "parabri",
+                                     "capot", "_fl_", "_fr_", "_f_l_", "_f_r_", "steer"});
+  const Middle rear = middle_of(m, {"rear", "taill", "tail_l", "trunk", "exhaust", "muffler", "redl", "red_l", "reverse",
+                                    "brakel", "brake_l", "stop_l", "stopl", "_rl_", "_rr_", "_r_l_", "_r_r_", "_back_"});
   float score = 0;
-  if (middle_of(m, {"front", "headl", "head_l", "head l", "hood", "bonnet", "windshield", "windscreen", "grill", "_fl",
-                    "_fr", "fender_f", "parabri", "capot", "steer"}, p)) {
-    score += (at(p, along) - center) / half;
-  }
-  if (middle_of(m, {"rear", "tail", "trunk", "boot", "brake_l", "brakel", "brake l", "exhaust", "muffler", "redl",
-                    "red_l", "red l", "reverse", "_rl", "_rr", "stoplight", "backl", "back_l", "hatch"}, p)) {
-    score -= (at(p, along) - center) / half;
-  }
+  if (front.area > 0) score += (front.place.x - center) / half;
+  if (rear.area > 0) score -= (rear.place.x - center) / half;
   if (std::abs(score) > 0.2f) {
     why = "by the names of parts";
-    return {along, score > 0 ? 1.0f : -1.0f};
+    return score > 0;
   }
-  // A bonnet is lower than what is behind the cabin.
-  const float low = height_in(m, box, along, 0, 0.12f, up.index, up.sign);
-  const float high = height_in(m, box, along, 0.88f, 1, up.index, up.sign);
-  if (std::abs(low - high) > 0.04f) {
+  // The profile: height over the wheels' ground as a share, along the length.
+  constexpr int n = 100;
+  std::array<float, n> profile{};
+  for (const auto& triangle : m.triangles) {
+    for (int k = 0; k < 3; ++k) {  // the highest point of a triangle in each slice lies on an edge
+      const vec3<float> p = (m.positions[triangle[k]] - box.low) / (2 * half) * float(n);
+      const vec3<float> q = (m.positions[triangle[(k + 1) % 3]] - box.low) / (2 * half) * float(n);
+      const int steps = 1 + int(2 * std::abs(q.x - p.x));
+      for (int s = 0; s <= steps; ++s) {
+        const vec3<float> r = p + (q - p) * (float(s) / float(steps));
+        float& top = profile[std::clamp(int(r.x), 0, n - 1)];
+        top = std::max(top, r.y * (2 * half) / (float(n) * box.size().y));
+      }
+    }
+  }
+  const auto from_end = [&](bool ahead, int i) { return profile[ahead ? n - 1 - i : i]; };
+  float ends[2], ramps[2];
+  int cabin[2];
+  for (bool ahead : {false, true}) {
+    float sum = 0;
+    for (int i = 2; i < 22; ++i) sum += from_end(ahead, i) / 20;
+    int top = 0, foot;
+    while (top < n - 1 && from_end(ahead, top) < 0.93f) ++top;
+    for (foot = top; foot > 0 && from_end(ahead, foot) > 0.75f; --foot) {}
+    ends[ahead] = sum, ramps[ahead] = float(top - foot), cabin[ahead] = foot;
+  }
+  if (std::abs(ends[1] - ends[0]) > 0.06f) {
     why = "as its end is the lower one";
-    return {along, high < low ? 1.0f : -1.0f};
+    return ends[1] < ends[0];
   }
-  why = "by custom: neither names nor shape tell";
-  return {along, 1};
+  if (std::max(ramps[0], ramps[1]) > 1.8f * std::min(ramps[0], ramps[1]) + 2) {
+    why = "as its side of the cabin slopes more";
+    return ramps[1] > ramps[0];
+  }
+  why = cabin[0] == cabin[1] ? "by custom: neither names nor shape tell" : "as the bonnet is longer than the boot";
+  return cabin[1] >= cabin[0];
 }
 }  // namespace detail
 
-/// Brings a vehicle into the normalised frame. Unit: a length of 2 to 25 is taken as metres; else as millimetres,
-/// centimetres, inches or feet where that makes 2.4 to 15 m; else the length becomes 4.5 m.
+/// Brings a vehicle into the normalised frame. A vehicle that stands askew in its file is turned straight. Unit: a length
+/// of 2.4 to 25 is taken as metres; else as centimetres or millimetres where that makes 2.4 to 20 m, or as inches or feet
+/// where that makes 3 to 7 m; else the length becomes 4.5 m.
 inline void normalise_vehicle(Mesh& m, MeshReport& report, const VehicleOptions& options = {}) {
   using namespace detail;
   if (m.triangles.empty()) return;
-  const Box box = bounds(m);
+  vec3<float> x, y, z;  // the axes of the normalised frame, in the file's
+  const auto turn = [&](const vec3<float>& nx, const vec3<float>& ny, const vec3<float>& nz) {
+    for (auto* list : {&m.positions, &m.normals}) {
+      for (auto& p : *list) p = {dot(p, nx), dot(p, ny), dot(p, nz)};
+    }
+    const vec3<float> ox = x, oy = y, oz = z;
+    const auto in_file = [&](const vec3<float>& v) { return ox * v.x + oy * v.y + oz * v.z; };
+    x = in_file(nx), y = in_file(ny), z = in_file(nz);
+  };
   Axis up{1, 1}, front{0, 1};
   std::string why_up = "as told", why_front = "as told";
-  if (!parse(options.up, up)) up = find_up(m, box, why_up);
-  if (!parse(options.front, front) || front.index == up.index) front = find_front(m, box, up, why_front);
-  report.add("up is the file's " + up.name() + " " + why_up + "; front is its " + front.name() + " " + why_front);
+  if (!parse(options.up, up)) up = find_up(m, why_up);
+  const bool told = parse(options.front, front) && front.index != up.index;
+  if (!told) front = {up.index == 0 ? 1 : 0, 1};
+  x = {1, 0, 0}, y = {0, 1, 0}, z = {0, 0, 1};
+  turn(front.vector(), up.vector(), cross(front.vector(), up.vector()));
+  if (!told) {
+    if (const float yaw = find_yaw(m); std::abs(yaw) > 0.05f) {
+      turn({std::cos(yaw), 0, std::sin(yaw)}, {0, 1, 0}, {-std::sin(yaw), 0, std::cos(yaw)});
+      report.add("stands " + std::to_string(int(std::lround(std::abs(yaw) * 57.29578f))) + " degrees askew in the file: turned");
+    }
+    if (const vec3<float> size = bounds(m).size(); size.z > size.x) turn({0, 0, 1}, {0, 1, 0}, {-1, 0, 0});
+    if (!front_is_ahead(m, why_front)) turn({-1, 0, 0}, {0, 1, 0}, {0, 0, -1});
+  }
+  report.add("up is the file's " + axis_name(y) + " " + why_up + "; front is its " + axis_name(x) + " " + why_front);
 
-  const float size = at(box.size(), front.index);
+  const float size = bounds(m).size().x;
   float scale = 1;
   std::string found = "metres";
   if (options.length > 0) scale = options.length / size, found = "scaled as told";
-  else if (size < 2 || size > 25) {
+  else if (size < 2.4f || size > 25) {
     scale = 4.5f / size, found = "no known unit, scaled";
-    constexpr std::pair<float, const char*> units[] = {
-        {0.01f, "centimetres"}, {0.001f, "millimetres"}, {0.0254f, "inches"}, {0.3048f, "feet"}};
-    for (const auto& [factor, name] : units) {
-      if (size * factor < 2.4f || size * factor > 15) continue;
-      scale = factor, found = name;
+    struct Unit {
+      float factor, low, high;
+      const char* name;
+    };
+    for (const Unit& u : {Unit{0.01f, 2.4f, 20, "centimetres"}, Unit{0.001f, 2.4f, 20, "millimetres"},
+                          Unit{0.0254f, 3, 7, "inches"}, Unit{0.3048f, 3, 7, "feet"}}) {
+      if (size * u.factor < u.low || size * u.factor > u.high) continue;
+      scale = u.factor, found = u.name;
       break;
     }
   }
   char line[128];
   std::snprintf(line, sizeof line, "%.4g long in the file: %s, %.2f m", double(size), found.c_str(), double(size * scale));
   report.add(line);
-
-  const vec3<float> x = front.vector(), y = up.vector(), z = cross(x, y);
-  const auto turn = [&](const vec3<float>& p) { return vec3<float>(dot(p, x), dot(p, y), dot(p, z)); };
-  for (auto& p : m.positions) p = turn(p) * scale;
-  for (auto& n : m.normals) n = turn(n);
-  const Box placed = bounds(m);
-  const vec3<float> middle = placed.center();
-  for (auto& p : m.positions) p = p - vec3<float>(middle.x, placed.low.y, middle.z);
+  const Box box = bounds(m);
+  const vec3<float> origin(box.center().x, box.low.y, box.center().z);
+  for (auto& p : m.positions) p = (p - origin) * scale;
 }
 
 /// Everything a vehicle as read from a file needs: clean.h's functions and normalise_vehicle, in the right order.
