@@ -22,7 +22,7 @@ needs() {
   echo "Installing what is missing: ${missing[*]}"
   if [ "$(id -u)" -ne 0 ]; then
     if [ -t 0 ] && [ -z "${CI:-}" ]; then root=(sudo); else root=(sudo -n); fi
-    if ! "${root[@]}" true; then
+    if ! "${root[@]}" true 2>/dev/null; then
       echo "No right to install them here. As root: apt-get install --no-install-recommends ${missing[*]}" >&2
       return 2
     fi

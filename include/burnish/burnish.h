@@ -38,6 +38,7 @@
 #include <burnish/shade/fresnel.h>
 #include <burnish/shade/ggx.h>
 #include <burnish/light/environment.h>
+#include <burnish/light/illuminate.h>
 #include <burnish/light/pyramid.h>
 #include <burnish/light/rings.h>
 #include <burnish/light/sun.h>
