@@ -48,6 +48,7 @@ public:
     sun_.resize(std::size_t(blocks) * std::max(suns_, 1) * 16);
     if (size_ == 0) return;
     const Pyramid sky(environment);
+    const IrradianceMap unblocked(environment);
     const Transport transport(roughnesses(), slopes(), options.rings);
     parallel_for(blocks, [&](int b) {
       vec3<P> n, v;
@@ -60,9 +61,16 @@ public:
       std::vector<std::uint16_t> open;
       float* const sun = sun_.data() + std::size_t(b) * suns_ * 16;
       std::fill_n(sun, suns_ * 16, 1.0f);
-      if (blocked) open = look(transport, block, b, environment.suns, blocked, sun);
-      transport.gather(sky, block, blocked ? open.data() : nullptr, options.occluded,
-                       table_.data() + std::size_t(b) * table_block, irradiance_.data() + std::size_t(b) * irradiance_block);
+      float* const e = irradiance_.data() + std::size_t(b) * irradiance_block;
+      for (int k = 0; k < 16; ++k) {
+        const auto of_normal = unblocked({n.x[k], n.y[k], n.z[k]});
+        for (int c = 0; c < Transport::irradiances; ++c) e[16 * c + k] = of_normal[c];
+      }
+      if (blocked) {
+        open = look(transport, block, b, environment.suns, blocked, sun);
+        transport.block(sky, block, open.data(), options.occluded, e);
+      }
+      transport.gather(sky, block, blocked ? open.data() : nullptr, options.occluded, table_.data() + std::size_t(b) * table_block);
     });
   }
 

@@ -6,18 +6,19 @@
 #include <cstdint>
 #include <span>
 #include <burnish/ad/packet.h>
+#include <burnish/light/irradiance.h>
 #include <burnish/light/pyramid.h>
 #include <burnish/light/rings.h>
 
 namespace burnish {
 
 /// The integrals over directions l of radiance x D V nl x {1 - x(vh), x(vh), x(nl) (1 - x(vh)), x(nl) x(vh)}, x(c) = (1 - c)^5,
-/// V the height-correlated Smith visibility, each in RGB: twelve numbers a roughness, and their slopes. And the irradiances
-/// int L nl x(nl)^k, k = 0, 1, 2: nine numbers.
+/// V the height-correlated Smith visibility, each in RGB: twelve numbers a roughness, and their slopes. And what blocked
+/// directions take from the irradiances.
 class Transport {
 public:
   using P = Packet<float, 16>;
-  static constexpr int channels = 12, irradiances = 9;
+  static constexpr int channels = 12, irradiances = IrradianceMap::channels;
 
   /// d_alpha2[k]: the slope of alpha^2 = roughness[k]^4 by whatever variable the slopes are wanted in.
   Transport(std::span<const double> roughness, std::span<const double> d_alpha2, Rings::Size size = Rings::Size::medium)
@@ -78,12 +79,10 @@ public:
     return b.side * x + b.up * y + b.normal * z;
   }
 
-  /// table: knots x channels x {value, slope} x 16; irradiance: irradiances x 16. open[i]: bit k is set where direction i of
-  /// lane k sees the environment (null: everywhere); the others see `occluded`.
-  void gather(const Pyramid& sky, const Block& b, const std::uint16_t* open, const vec3<float>& occluded, float* table,
-              float* irradiance) const {
+  /// table: knots x channels x {value, slope} x 16. open[i]: bit k is set where direction i of lane k sees the environment
+  /// (null: everywhere); the others see `occluded`.
+  void gather(const Pyramid& sky, const Block& b, const std::uint16_t* open, const vec3<float>& occluded, float* table) const {
     std::fill_n(table, std::size_t(knots) * channels * 32, 0.0f);
-    std::fill_n(irradiance, irradiances * 16, 0.0f);
     const int n = rings.directions();
     for (int first = 0; first < n; first += batch) {
       const int count = std::min(batch, n - first);
@@ -91,16 +90,30 @@ public:
       for (int j = 0; j < count; ++j) prepare(sky, b, first + j, open, occluded, part[j], nl[j]);
       for (int k = 0; k < knots; ++k) integrate(b, k, first, count, part, nl, table + std::size_t(k) * channels * 32);
     }
+  }
+  /// irradiance: irradiances x 16, on entry those of the unblocked sky. Each is multiplied by what the hemisphere's directions
+  /// find of it with and without the blocking: exact where nothing is blocked, and where everything is.
+  void block(const Pyramid& sky, const Block& b, const std::uint16_t* open, const vec3<float>& occluded, float* irradiance) const {
+    const int n = rings.directions();
+    const auto whole = [](unsigned bits) { return bits == 0xffff; };
+    if (std::all_of(open + n, open + directions(), whole)) return;
+    P seen[irradiances] = {}, all[irradiances] = {};
     for (int i = 0; i < int(hemisphere.size()); ++i) {
       const Sample& s = hemisphere[i];
-      const vec3<P> l = radiance(sky, b, n + i, s.spread, open, occluded, nullptr);
+      const vec3<P> without = radiance(sky, b, n + i, s.spread, nullptr, occluded);
+      P l[3] = {without.x, without.y, without.z};
       for (int k = 0; k < 3; ++k) {
-        const P rgb[3] = {l.x, l.y, l.z};
-        for (int c = 0; c < 3; ++c) {
-          float* to = irradiance + (3 * k + c) * 16;
-          (P::load(to) + rgb[c] * s.weight[k]).store(to);
-        }
+        for (int c = 0; c < 3; ++c) all[3 * k + c] += l[c] * s.weight[k];
       }
+      const float hidden[3] = {occluded.x, occluded.y, occluded.z};
+      for (int c = 0; c < 3; ++c) {
+        for (int k = 0; k < 16; ++k) l[c].v[k] = open[n + i] >> k & 1 ? l[c][k] : hidden[c];
+        for (int k = 0; k < 3; ++k) seen[3 * k + c] += l[c] * s.weight[k];
+      }
+    }
+    for (int c = 0; c < irradiances; ++c) {
+      const P e = P::load(irradiance + 16 * c);
+      select(all[c] > 0.0f, e * seen[c] / max(all[c], 1e-30f), seen[c]).store(irradiance + 16 * c);
     }
   }
 
@@ -126,7 +139,7 @@ private:
   }
 
   vec3<P> radiance(const Pyramid& sky, const Block& b, int i, P variance, const std::uint16_t* open,
-                   const vec3<float>& occluded, unsigned* used_out) const {
+                   const vec3<float>& occluded) const {
     unsigned used;
     const vec3<P> d = direction(b, i, &used);
     const unsigned seen = open ? used & open[i] : used;
@@ -137,7 +150,6 @@ private:
         if (hidden >> k & 1) r[k] = occluded.x, g[k] = occluded.y, c[k] = occluded.z;
       }
     }
-    if (used_out) *used_out = used;
     return {P::load(r), P::load(g), P::load(c)};
   }
   /// Sample i: radiance times all that does not depend on the roughness; zero where the sample is below the horizon.
@@ -145,7 +157,7 @@ private:
                P& nl) const {
     const float hz = rings.half_z[i];
     const P vh = min(max(rings.half_x[i] * b.sv + hz * b.nv, 0.0f), 1.0f), z = 2.0f * vh * hz - b.nv;
-    const vec3<P> light = radiance(sky, b, i, rings.spread[i] * vh, open, occluded, nullptr);  // 0 below the horizon
+    const vec3<P> light = radiance(sky, b, i, rings.spread[i] * vh, open, occluded);  // 0 below the horizon
     nl = min(max(z, 1e-7f), 1.0f);
     const P g = rings.share[i] * 4.0f / hz * vh * nl, fv = power5(1.0f - vh), fl = power5(1.0f - nl);
     const P with[4] = {g * (1.0f - fv), g * fv, g * fl * (1.0f - fv), g * fl * fv};
