@@ -30,7 +30,7 @@ void holds(F f, Draw draw, double rounding = 1e-5, double scale = 1e-3, double s
   Random random(7);
   int wrong = 0, undecided = 0;
   double worst_float = 0, worst_packet = 0, worst_double = 0;
-  std::string text;
+  std::string text, rounded;
   for (int i = 0; i < 1000; ++i)
     std::apply(
         [&](const auto&... a) {
@@ -41,12 +41,15 @@ void holds(F f, Draw draw, double rounding = 1e-5, double scale = 1e-3, double s
           worst_double = std::max(worst_double, off(f(lift<Packet<double, 8>>(a)...)[i % 8]));
           worst_double = std::max(worst_double, off(std::get<0>(differentiate(f, a...))));
           const GradientCheck c = check_gradient(f, 1e-7, step, a...);
+          if (std::max(worst_float, worst_packet) >= rounding && rounded.empty())
+            rounded = "float " + std::to_string(double(f(lift<float>(a)...))) + " for " + std::to_string(y) + " at " + c.point;
           wrong += c.verdict == Verdict::wrong;
           undecided += c.verdict == Verdict::undecided;
           if (c.verdict != Verdict::right && text.empty()) text = c.text();
         },
         draw(random));
   INFO(text);
+  INFO(rounded);
   CHECK(wrong == 0);
   CHECK(undecided == 0);
   CHECK(worst_float < rounding);
