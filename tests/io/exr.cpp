@@ -13,7 +13,8 @@ GBuffer two() {
   GBuffer g;
   g.width = 6, g.height = 5;
   g.camera = Camera::look_at({0, 0, 5}, {0, 0, 0}, {0, 1, 0}, 40, 6, 5);
-  g.parts = {{.name = "door", .material = "paint", .base_color = {0.5f, 0.25f, 0.125f}}, {.name = "pane", .material = "glass"}};
+  g.parts = {{.name = "door", .material = "paint", .base_color = {0.5f, 0.25f, 0.125f}},
+             {.name = "pane", .material = "glass"}};
   g.resize(2);
   g.pixel = {8, 21};
   g.part = {1, 0};
@@ -49,9 +50,25 @@ TEST_CASE("G-buffer file: every layer is there by its customary name and keeps i
     const char* name;
     int plane;
   };
-  for (const Layer& l : {Layer{"P.X", 0}, {"P.Y", 1}, {"P.Z", 2}, {"N.X", 3}, {"N.Y", 4}, {"N.Z", 5}, {"T.X", 6}, {"T.Y", 7},
-                         {"T.Z", 8}, {"V.X", 9}, {"V.Y", 10}, {"V.Z", 11}, {"uv.U", 12}, {"uv.V", 13}, {"Ng.X", 15},
-                         {"Ng.Y", 16}, {"Ng.Z", 17}, {"depth.Z", 18}, {"A", 19}}) {
+  for (const Layer& l : {Layer{"P.X", 0},
+                         {"P.Y", 1},
+                         {"P.Z", 2},
+                         {"N.X", 3},
+                         {"N.Y", 4},
+                         {"N.Z", 5},
+                         {"T.X", 6},
+                         {"T.Y", 7},
+                         {"T.Z", 8},
+                         {"V.X", 9},
+                         {"V.Y", 10},
+                         {"V.Z", 11},
+                         {"uv.U", 12},
+                         {"uv.V", 13},
+                         {"Ng.X", 15},
+                         {"Ng.Y", 16},
+                         {"Ng.Z", 17},
+                         {"depth.Z", 18},
+                         {"A", 19}}) {
     CHECK(at(l.name, 8) == g.plane[l.plane][0]);
     CHECK(at(l.name, 21) == g.plane[l.plane][1]);
     CHECK(at(l.name, 0) == (l.plane == GBuffer::depth ? 1e10f : 0.0f));

@@ -39,7 +39,8 @@ TEST_CASE("Photo: the sRGB curve is the standard's", "[io][value]") {
   // IEC 61966-2-1: code 0.5 is 0.21404 in linear light, code 0.04 lies on the straight part.
   CHECK(detail::from_srgb(0.5f) == Approx(0.2140411));
   CHECK(detail::from_srgb(0.04f) == Approx(0.04 / 12.92));
-  for (float x : {0.0f, 0.002f, 0.1f, 0.7f, 1.0f}) CHECK(detail::from_srgb(detail::to_srgb(x)) == Approx(x).margin(1e-6));
+  for (float x : {0.0f, 0.002f, 0.1f, 0.7f, 1.0f})
+    CHECK(detail::from_srgb(detail::to_srgb(x)) == Approx(x).margin(1e-6));
 }
 
 TEST_CASE("Photo: a value that is no number is refused with its pixel", "[io][limit]") {

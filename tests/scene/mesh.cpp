@@ -114,7 +114,8 @@ TEST_CASE("Mesh: every corner's normal ends up on the side of its face", "[scene
 
 TEST_CASE("Mesh: normals that fit nothing are not believed", "[scene][value]") {
   Mesh m = shapes::sphere({0, 0, 0}, 1, 16);
-  for (std::size_t v = 0; v < m.normals.size(); ++v) m.normals[v] = v % 2 ? vec3<float>(1, 0, 0) : vec3<float>(0, 0, -1);
+  for (std::size_t v = 0; v < m.normals.size(); ++v)
+    m.normals[v] = v % 2 ? vec3<float>(1, 0, 0) : vec3<float>(0, 0, -1);
   MeshReport report;
   fill_normals(m, report);
   CHECK(report.says("1 parts with normals that do not fit"));

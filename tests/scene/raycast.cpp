@@ -9,7 +9,9 @@
 using namespace burnish;
 
 namespace {
-Camera looking_at(vec3<float> eye, float fov, int w, int h) { return Camera::look_at(eye, {0, 0, 0}, {0, 1, 0}, fov, w, h); }
+Camera looking_at(vec3<float> eye, float fov, int w, int h) {
+  return Camera::look_at(eye, {0, 0, 0}, {0, 1, 0}, fov, w, h);
+}
 /// A filled disc in the plane z = 0, normal +z.
 Mesh disc(float radius, int n) {
   Mesh m;

@@ -33,8 +33,8 @@ inline void add_box(Mesh& m, const char* name, vec3<float> l, vec3<float> h) {
   m.parts.resize(part + 1);
   for (std::size_t t = m.part.size() - 12; t < m.part.size(); ++t) m.part[t] = int(part);
 }
-/// A sphere of 2 n x n rectangles with normals and uvs: u = longitude / 2 pi from +z towards +x, v = 0 at the south pole
-/// to 1 at the north pole (+y).
+/// A sphere of 2 n x n rectangles with normals and uvs: u = longitude / 2 pi from +z towards +x, v = 0 at the south
+/// pole to 1 at the north pole (+y).
 inline Mesh sphere(vec3<float> center, float radius, int n) {
   Mesh m;
   m.parts.push_back({.name = "sphere", .material = "paint"});

@@ -4,8 +4,8 @@
 // {"width": 768, "height": 576, "fx": 900, "fy": 900, "cx": 384, "cy": 288,
 //  "position": [x, y, z], "look_at": [x, y, z], "up": [x, y, z]}
 // Pixels as in scene/camera.h, metres, +Y up: forward = normalize(look_at - position), right = normalize(cross(forward,
-// up)), down = cross(forward, right). "fov" (degrees, vertical) may stand for fx and fy; fy, cx, cy and up have defaults
-// (fx, the middle, +Y).
+// up)), down = cross(forward, right). "fov" (degrees, vertical) may stand for fx and fy; fy, cx, cy and up have
+// defaults (fx, the middle, +Y).
 #pragma once
 #include <cmath>
 #include <string>
@@ -42,14 +42,17 @@ inline Camera read_camera(const std::string& path) {
     return {v[0].get<float>(), v[1].get<float>(), v[2].get<float>()};
   };
   const int w = int(number("width", nullptr)), h = int(number("height", nullptr));
-  if (w <= 0 || h <= 0) throw Error(path + ": " + std::to_string(w) + " x " + std::to_string(h) + " pixels, expected at least 1 x 1");
+  if (w <= 0 || h <= 0)
+    throw Error(path + ": " + std::to_string(w) + " x " + std::to_string(h) + " pixels, expected at least 1 x 1");
   double fx;
   if (j.contains("fx") || !j.contains("fov")) fx = number("fx", nullptr);
   else fx = 0.5 * h / std::tan(number("fov", nullptr) * 0.00872664625997165);
   const double fy = number("fy", &fx), mx = 0.5 * w, my = 0.5 * h;
-  if (!(fx > 0 && fy > 0)) throw Error(path + ": fx " + std::to_string(fx) + ", fy " + std::to_string(fy) + ", expected both above 0");
+  if (!(fx > 0 && fy > 0))
+    throw Error(path + ": fx " + std::to_string(fx) + ", fy " + std::to_string(fy) + ", expected both above 0");
   Camera c = Camera::pinhole(float(fx), float(fy), float(number("cx", &mx)), float(number("cy", &my)), w, h);
-  const vec3<float> y(0, 1, 0), eye = triple("position", nullptr), target = triple("look_at", nullptr), up = triple("up", &y);
+  const vec3<float> y(0, 1, 0), eye = triple("position", nullptr), target = triple("look_at", nullptr),
+                                up = triple("up", &y);
   const vec3<float> side = cross(target - eye, up);
   if (!(dot(side, side) > 1e-12f * dot(target - eye, target - eye) * dot(up, up))) {
     throw Error(path + ": position, look_at and up lie on one line, expected a view that is not along up");

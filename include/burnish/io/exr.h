@@ -1,8 +1,8 @@
 // burnish/io/exr.h -- a G-buffer as one multi-layer EXR
 // SPDX-License-Identifier: Apache-2.0
 //
-// One part, 32-bit floats, the channels named by layer as compositing programs know them; RGBA is a preview, so that any
-// viewer shows something.
+// One part, 32-bit floats, the channels named by layer as compositing programs know them; RGBA is a preview, so that
+// any viewer shows something.
 #pragma once
 #include <burnish/io/photo.h>
 #include <burnish/scene/gbuffer.h>
@@ -10,8 +10,8 @@
 namespace burnish {
 
 /// R G B A: preview (the file's colour of the part, darkened towards the silhouette, premultiplied) and coverage;
-/// P: position, N: shading normal, Ng: geometric normal, T: tangent, V: to the viewer, world space; depth.Z: metres along
-/// the view axis; uv.U uv.V; part.ID: index of the part. Zero where nothing was hit (part.ID -1, depth.Z 1e10).
+/// P: position, N: shading normal, Ng: geometric normal, T: tangent, V: to the viewer, world space; depth.Z: metres
+/// along the view axis; uv.U uv.V; part.ID: index of the part. Zero where nothing was hit (part.ID -1, depth.Z 1e10).
 /// The parts' names and the camera stand in the header as burnish/part/<id> and burnish/camera.
 inline void write_exr(const std::string& path, const GBuffer& g) {
   struct Channel {
@@ -47,9 +47,9 @@ inline void write_exr(const std::string& path, const GBuffer& g) {
   }
   const Camera& c = g.camera;
   std::ostringstream text;
-  text << "position " << c.position.x << " " << c.position.y << " " << c.position.z << ", forward " << c.forward.x << " "
-       << c.forward.y << " " << c.forward.z << ", down " << c.down.x << " " << c.down.y << " " << c.down.z << ", fx " << c.fx
-       << ", fy " << c.fy << ", cx " << c.cx << ", cy " << c.cy;
+  text << "position " << c.position.x << " " << c.position.y << " " << c.position.z << ", forward " << c.forward.x
+       << " " << c.forward.y << " " << c.forward.z << ", down " << c.down.x << " " << c.down.y << " " << c.down.z
+       << ", fx " << c.fx << ", fy " << c.fy << ", cx " << c.cx << ", cy " << c.cy;
   spec.attribute("burnish/camera", text.str());
   detail::write_pixels(path, "openexr", spec, values.data());
 }

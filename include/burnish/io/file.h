@@ -12,8 +12,8 @@
 
 namespace burnish {
 
-/// Calls write("<path>.partial"), then renames that to path. When write throws or the file cannot be renamed, the partial
-/// file is removed and path is what it was; Error in the second case.
+/// Calls write("<path>.partial"), then renames that to path. When write throws or the file cannot be renamed, the
+/// partial file is removed and path is what it was; Error in the second case.
 template <class F> void write_beside(const std::string& path, F write) {
   const std::string partial = path + ".partial";
   std::error_code ignored;
@@ -36,10 +36,12 @@ inline void check_writable(const std::string& folder) {
   const std::filesystem::path place = folder.empty() ? "." : folder;
   std::error_code failed;
   std::filesystem::create_directories(place, failed);
-  if (!std::filesystem::is_directory(place, failed)) throw Error(folder + ": not a folder that can be made, expected a writable folder");
+  if (!std::filesystem::is_directory(place, failed))
+    throw Error(folder + ": not a folder that can be made, expected a writable folder");
   const std::string probe = (place / ".burnish-can-write").string();
   std::ofstream file(probe);
-  if (!(file << "x" << std::flush)) throw Error(folder + ": cannot write into it (" + std::strerror(errno) + "), expected a writable folder");
+  if (!(file << "x" << std::flush))
+    throw Error(folder + ": cannot write into it (" + std::strerror(errno) + "), expected a writable folder");
   file.close();
   std::filesystem::remove(probe, failed);
 }

@@ -27,7 +27,8 @@ public:
     for (int more = unzGoToFirstFile(zip_); more == UNZ_OK; more = unzGoToNextFile(zip_)) {
       char name[4096];
       unz_file_info64 info;
-      if (unzGetCurrentFileInfo64(zip_, &info, name, sizeof name, nullptr, 0, nullptr, 0) == UNZ_OK) names_.emplace_back(name);
+      if (unzGetCurrentFileInfo64(zip_, &info, name, sizeof name, nullptr, 0, nullptr, 0) == UNZ_OK)
+        names_.emplace_back(name);
     }
   }
   ~ZipFiles() override { unzClose(zip_); }
@@ -46,7 +47,8 @@ public:
     const std::size_t size = std::size_t(info.uncompressed_size);
     auto bytes = std::make_unique<std::uint8_t[]>(size + 1);
     std::size_t done = 0;
-    for (int n; done < size && (n = unzReadCurrentFile(zip_, bytes.get() + done, unsigned(std::min<std::size_t>(size - done, 1u << 30)))) > 0;) {
+    for (int n; done < size && (n = unzReadCurrentFile(zip_, bytes.get() + done,
+                                                       unsigned(std::min<std::size_t>(size - done, 1u << 30)))) > 0;) {
       done += std::size_t(n);
     }
     if (unzCloseCurrentFile(zip_) != UNZ_OK || done != size) return nullptr;
@@ -77,7 +79,8 @@ inline Part part_of(const aiScene& scene, const aiMesh& mesh, const aiNode& node
   p.name = node.mName.length ? node.mName.C_Str() : mesh.mName.C_Str();
   if (mesh.mName.length && p.name != mesh.mName.C_Str()) p.name += std::string("/") + mesh.mName.C_Str();
   aiString name;
-  if (material.Get(AI_MATKEY_NAME, name) == AI_SUCCESS && std::string(name.C_Str()) != AI_DEFAULT_MATERIAL_NAME) p.material = name.C_Str();
+  if (material.Get(AI_MATKEY_NAME, name) == AI_SUCCESS && std::string(name.C_Str()) != AI_DEFAULT_MATERIAL_NAME)
+    p.material = name.C_Str();
   aiColor4D color(0.8f, 0.8f, 0.8f, 1);
   if (material.Get(AI_MATKEY_BASE_COLOR, color) != AI_SUCCESS) material.Get(AI_MATKEY_COLOR_DIFFUSE, color);
   if (finite(color.r) && finite(color.g) && finite(color.b)) p.base_color = {color.r, color.g, color.b};
@@ -123,7 +126,8 @@ inline Mesh read_mesh(const std::string& path) {
   namespace fs = std::filesystem;
   std::string archive, inner = path;
   if (!fs::exists(path)) {
-    for (std::size_t colon = path.rfind(':'); colon != std::string::npos && colon > 0; colon = path.rfind(':', colon - 1)) {
+    for (std::size_t colon = path.rfind(':'); colon != std::string::npos && colon > 0;
+         colon = path.rfind(':', colon - 1)) {
       if (!fs::is_regular_file(path.substr(0, colon))) continue;
       archive = path.substr(0, colon), inner = path.substr(colon + 1);
       break;

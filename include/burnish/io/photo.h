@@ -48,7 +48,8 @@ inline Pixels read_pixels(const std::string& path) {
 inline std::string size_of(int w, int h) { return std::to_string(w) + " x " + std::to_string(h); }
 
 /// Channels side by side to a file of that format ("png": 8 bits; "openexr": float), beside and renamed.
-inline void write_pixels(const std::string& path, const char* format, const OIIO::ImageSpec& spec, const float* values) {
+inline void write_pixels(const std::string& path, const char* format, const OIIO::ImageSpec& spec,
+                         const float* values) {
   write_beside(path, [&](const std::string& partial) {
     const auto out = OIIO::ImageOutput::create(format);
     if (!out) throw Error(path + ": OpenImageIO cannot write " + format);
@@ -71,7 +72,8 @@ inline Image read_photo(const std::string& path) {
       for (int c = 0; c < 3; ++c) {
         const float v = p.at(x, y, grey ? 0 : c);
         if (!detail::finite(v)) {
-          throw Error(path + ": pixel (" + std::to_string(x) + ", " + std::to_string(y) + ") is not a number, expected finite values");
+          throw Error(path + ": pixel (" + std::to_string(x) + ", " + std::to_string(y) +
+                      ") is not a number, expected finite values");
         }
         rgb[c] = p.integers ? detail::from_srgb(v) : v;
       }
@@ -81,12 +83,13 @@ inline Image read_photo(const std::string& path) {
   return image;
 }
 
-/// A mask, 0 out to 1 in: the alpha channel where there is one, else the encoded grey or luminance, as it is (a soft edge
-/// stays soft). With width > 0, Error unless it has the size of the photo.
+/// A mask, 0 out to 1 in: the alpha channel where there is one, else the encoded grey or luminance, as it is (a soft
+/// edge stays soft). With width > 0, Error unless it has the size of the photo.
 inline Mask read_mask(const std::string& path, int width = 0, int height = 0) {
   const detail::Pixels p = detail::read_pixels(path);
   if (width > 0 && (p.width != width || p.height != height)) {
-    throw Error(path + ": mask " + detail::size_of(p.width, p.height) + ", photo " + detail::size_of(width, height) + ": they must agree");
+    throw Error(path + ": mask " + detail::size_of(p.width, p.height) + ", photo " + detail::size_of(width, height) +
+                ": they must agree");
   }
   Mask mask(p.width, p.height);
   for (int y = 0; y < p.height; ++y) {
@@ -95,7 +98,8 @@ inline Mask read_mask(const std::string& path, int width = 0, int height = 0) {
                       : p.channels < 3 ? p.at(x, y, 0)
                                        : 0.2126f * p.at(x, y, 0) + 0.7152f * p.at(x, y, 1) + 0.0722f * p.at(x, y, 2);
       if (!detail::finite(v)) {
-        throw Error(path + ": pixel (" + std::to_string(x) + ", " + std::to_string(y) + ") of the mask is not a number");
+        throw Error(path + ": pixel (" + std::to_string(x) + ", " + std::to_string(y) +
+                    ") of the mask is not a number");
       }
       mask.at(x, y) = std::clamp(v, 0.0f, 1.0f);
     }
@@ -103,14 +107,17 @@ inline Mask read_mask(const std::string& path, int width = 0, int height = 0) {
   return mask;
 }
 
-/// A picture of numbers, such as part labels: the first channel as stored, 0 .. 255 for 8 bits. The size as in read_mask.
+/// A picture of numbers, such as part labels: the first channel as stored, 0 .. 255 for 8 bits. The size as in
+/// read_mask.
 inline std::vector<int> read_labels(const std::string& path, int width = 0, int height = 0) {
   const detail::Pixels p = detail::read_pixels(path);
   if (width > 0 && (p.width != width || p.height != height)) {
-    throw Error(path + ": labels " + detail::size_of(p.width, p.height) + ", photo " + detail::size_of(width, height) + ": they must agree");
+    throw Error(path + ": labels " + detail::size_of(p.width, p.height) + ", photo " + detail::size_of(width, height) +
+                ": they must agree");
   }
   std::vector<int> labels(std::size_t(p.width) * p.height);
-  for (std::size_t i = 0; i < labels.size(); ++i) labels[i] = int(std::lround(p.values[i * p.channels] * (p.integers ? 255.0f : 1.0f)));
+  for (std::size_t i = 0; i < labels.size(); ++i)
+    labels[i] = int(std::lround(p.values[i * p.channels] * (p.integers ? 255.0f : 1.0f)));
   return labels;
 }
 
@@ -125,7 +132,8 @@ inline void write_png(const std::string& path, const Image& image) {
 }
 /// Grey, 8 bits, without a curve.
 inline void write_png(const std::string& path, const Mask& mask) {
-  detail::write_pixels(path, "png", OIIO::ImageSpec(mask.width, mask.height, 1, OIIO::TypeDesc::UINT8), mask.values.data());
+  detail::write_pixels(path, "png", OIIO::ImageSpec(mask.width, mask.height, 1, OIIO::TypeDesc::UINT8),
+                       mask.values.data());
 }
 /// Linear 32-bit floats.
 inline void write_exr(const std::string& path, const Image& image) {

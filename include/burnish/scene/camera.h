@@ -1,10 +1,10 @@
 // burnish/scene/camera.h -- the pinhole camera
 // SPDX-License-Identifier: Apache-2.0
 //
-// World: metres, +Y up, right-handed. Camera: x right, y down, z forward (OpenCV's axes). Pixels: x right, y down, pixel
-// (i, j) covers [i, i + 1) x [j, j + 1), so its centre is (i + 0.5, j + 0.5); a point (x, y, z) of the camera is seen at
-// (fx x / z + cx, fy y / z + cy). Where calibrations put the centre of the first pixel at (0, 0), as OpenCV's and KITTI's
-// do, half a pixel is added to their cx and cy.
+// World: metres, +Y up, right-handed. Camera: x right, y down, z forward (OpenCV's axes). Pixels: x right, y down,
+// pixel (i, j) covers [i, i + 1) x [j, j + 1), so its centre is (i + 0.5, j + 0.5); a point (x, y, z) of the camera is
+// seen at (fx x / z + cx, fy y / z + cy). Where calibrations put the centre of the first pixel at (0, 0), as OpenCV's
+// and KITTI's do, half a pixel is added to their cx and cy.
 #pragma once
 #include <cmath>
 #include <burnish/math/vec.h>
@@ -17,10 +17,11 @@ struct Ray {
 enum class Fov { vertical, horizontal };
 
 struct Camera {
-  int width = 0, height = 0;                  // pixels
-  float fx = 1, fy = 1, cx = 0, cy = 0;       // pixels
-  vec3<float> position;                       // metres
-  vec3<float> right{1, 0, 0}, down{0, -1, 0}, forward{0, 0, -1};  // the camera's axes in the world: rows of world -> camera
+  int width = 0, height = 0;             // pixels
+  float fx = 1, fy = 1, cx = 0, cy = 0;     // pixels
+  vec3<float> position;                  // metres
+  /// The camera's axes in the world: the rows of world -> camera.
+  vec3<float> right{1, 0, 0}, down{0, -1, 0}, forward{0, 0, -1};
 
   /// Where the camera stands and what it looks at; up need not be perpendicular to the view, only not along it.
   void aim(const vec3<float>& eye, const vec3<float>& target, const vec3<float>& up = {0, 1, 0}) {

@@ -38,7 +38,8 @@ inline vec3<float> unit_or_zero(const vec3<float>& v) {
 inline float corner_angle(const Mesh& m, int t, int k) {
   const auto& v = m.triangles[t];
   const vec3<float> a = m.positions[v[k]];
-  const vec3<float> e = unit_or_zero(m.positions[v[(k + 1) % 3]] - a), f = unit_or_zero(m.positions[v[(k + 2) % 3]] - a);
+  const vec3<float> e = unit_or_zero(m.positions[v[(k + 1) % 3]] - a),
+                    f = unit_or_zero(m.positions[v[(k + 2) % 3]] - a);
   return std::acos(std::clamp(dot(e, f), -1.0f, 1.0f));
 }
 
@@ -64,7 +65,8 @@ inline std::vector<int> weld(const Mesh& m) {
     for (int v : t) {
       if (place[v] >= 0) continue;
       const vec3<float> p = m.positions[v] - box.low;
-      const std::array<std::int64_t, 3> key{std::llround(p.x / cell), std::llround(p.y / cell), std::llround(p.z / cell)};
+      const std::array<std::int64_t, 3> key{std::llround(p.x / cell), std::llround(p.y / cell),
+                                            std::llround(p.z / cell)};
       place[v] = places.try_emplace(key, int(places.size())).first->second;
     }
   }
@@ -85,7 +87,8 @@ inline std::vector<int> pieces(const Mesh& m, const std::vector<int>& place) {
   std::unordered_map<int, int> number;
   std::vector<int> piece;
   piece.reserve(m.triangles.size());
-  for (const auto& t : m.triangles) piece.push_back(number.try_emplace(find(place[t[0]]), int(number.size())).first->second);
+  for (const auto& t : m.triangles)
+    piece.push_back(number.try_emplace(find(place[t[0]]), int(number.size())).first->second);
   return piece;
 }
 
@@ -113,7 +116,8 @@ inline void set_corners(Mesh& m, const std::vector<vec3<float>>& normals, const 
       const vec3<float> n = normals[3 * t + k];
       const vec2<float> uv = uvs[3 * t + k];
       const auto same = [&](int i) {
-        return std::bit_cast<std::array<std::uint32_t, 3>>(std::array{out.normals[i].x, out.normals[i].y, out.normals[i].z}) ==
+        return std::bit_cast<std::array<std::uint32_t, 3>>(
+                   std::array{out.normals[i].x, out.normals[i].y, out.normals[i].z}) ==
                    std::bit_cast<std::array<std::uint32_t, 3>>(std::array{n.x, n.y, n.z}) &&
                std::bit_cast<std::array<std::uint32_t, 2>>(std::array{out.uvs[i].x, out.uvs[i].y}) ==
                    std::bit_cast<std::array<std::uint32_t, 2>>(std::array{uv.x, uv.y});
@@ -215,23 +219,26 @@ inline void drop_ground(Mesh& m, MeshReport& report) {
         if (axis != flat && at(size, axis) < 1.02f * at(rest.size(), axis)) wider = false;
       }
       const float height = at(rest.size(), flat), middle = at(boxes[i].center(), flat);
-      const bool at_an_end = middle < at(rest.low, flat) + 0.05f * height || middle > at(rest.high, flat) - 0.05f * height;
+      const bool at_an_end =
+          middle < at(rest.low, flat) + 0.05f * height || middle > at(rest.high, flat) - 0.05f * height;
       if (wider && at_an_end) ground = int(i);
     }
     if (ground < 0) return;
     std::string name;
     for (std::size_t t = 0; t < piece.size() && name.empty(); ++t) {
-      if (piece[t] == ground) name = m.parts.empty() ? "?" : m.parts[m.part[t]].name + "/" + m.parts[m.part[t]].material;
+      if (piece[t] == ground)
+        name = m.parts.empty() ? "?" : m.parts[m.part[t]].name + "/" + m.parts[m.part[t]].material;
     }
-    report.count(keep_triangles(m, [&](int t) { return piece[t] != ground; }), "triangles of a ground plane dropped (" + name + ")");
+    report.count(keep_triangles(m, [&](int t) { return piece[t] != ground; }),
+                 "triangles of a ground plane dropped (" + name + ")");
   }
 }
 
 /// Gives every corner a unit normal. Missing ones become the mean of the faces that meet there at less than `crease`
 /// degrees, weighted by their angle, vertices welded by position. Triangles whose three normals all point through the
-/// back are wound the other way round; single corners that do get a new normal, and so do all of a part where a tenth or
-/// more are like that or stand over 70 degrees from their face. Which side is outside stays unknown: the winding of a
-/// neighbour is not relied on.
+/// back are wound the other way round; single corners that do get a new normal, and so do all of a part where a tenth
+/// or more are like that or stand over 70 degrees from their face. Which side is outside stays unknown: the winding of
+/// a neighbour is not relied on.
 inline void fill_normals(Mesh& m, MeshReport& report, float crease = 40) {
   using namespace detail;
   const int n = int(m.triangles.size());
@@ -300,8 +307,8 @@ inline void fill_normals(Mesh& m, MeshReport& report, float crease = 40) {
   report.count(turned, "triangles wound against their normals: turned");
 }
 
-/// Gives every corner a uv. Triangles of parts that have none, or whose uvs span no area, get a box projection in metres:
-/// on a face that looks mostly along an axis, u and v are the other two coordinates, v upwards on the sides.
+/// Gives every corner a uv. Triangles of parts that have none, or whose uvs span no area, get a box projection in
+/// metres: on a face that looks mostly along an axis, u and v are the other two coordinates, v upwards on the sides.
 /// metric: do so for all parts, so that one unit of uv is one metre everywhere.
 inline void fill_uvs(Mesh& m, MeshReport& report, bool metric = false) {
   using namespace detail;
@@ -340,7 +347,8 @@ inline void name_materials(Mesh& m, MeshReport& report) {
     p.material = name;
     unnamed[p.material_index] = true;
   }
-  report.count(long(unnamed.size()), "materials without a name: called material_00 and so on, by their place in the file");
+  report.count(long(unnamed.size()),
+               "materials without a name: called material_00 and so on, by their place in the file");
 }
 
 }  // namespace burnish

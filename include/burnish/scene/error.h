@@ -7,7 +7,8 @@
 
 namespace burnish {
 
-/// what() is one line that names the file, what was found and what was expected: "car.obj: no triangles, expected some".
+/// what() is one line that names the file, what was found and what was expected: "car.obj: no triangles, expected
+/// some".
 struct Error : std::runtime_error {
   using std::runtime_error::runtime_error;
 };

@@ -2,7 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Only pixels that were hit are held, in the order of the picture's rows, every field in a plane of its own, so that
-// shading touches nothing else and runs in packets. Planes are padded to a multiple of 256 by repeating the last surfel.
+// shading touches nothing else and runs in packets. Planes are padded to a multiple of 256 by repeating the last
+// surfel.
 #pragma once
 #include <algorithm>
 #include <array>

@@ -62,7 +62,8 @@ public:
   explicit Raycaster(Mesh m) : mesh_(std::move(m)), device_(rtcNewDevice(nullptr)) {
     const int vertices = int(mesh_.positions.size()), triangles = int(mesh_.triangles.size());
     if (triangles == 0) throw Error("mesh without triangles, expected at least one");
-    if (mesh_.part.size() != mesh_.triangles.size() || mesh_.parts.empty()) throw Error("mesh without a part for every triangle");
+    if (mesh_.part.size() != mesh_.triangles.size() || mesh_.parts.empty())
+      throw Error("mesh without a part for every triangle");
     if (mesh_.normals.size() != mesh_.positions.size() || mesh_.uvs.size() != mesh_.positions.size()) {
       throw Error("mesh of " + std::to_string(vertices) + " positions, " + std::to_string(mesh_.normals.size()) +
                   " normals, " + std::to_string(mesh_.uvs.size()) + " uvs: expected as many of each");
@@ -73,14 +74,17 @@ public:
           throw Error("triangle " + std::to_string(t) + " of the mesh has no usable vertex " + std::to_string(v));
         }
       }
-      if (mesh_.part[t] < 0 || mesh_.part[t] >= int(mesh_.parts.size())) throw Error("triangle " + std::to_string(t) + " of an unknown part");
+      if (mesh_.part[t] < 0 || mesh_.part[t] >= int(mesh_.parts.size()))
+        throw Error("triangle " + std::to_string(t) + " of an unknown part");
     }
     check();
     scene_.reset(rtcNewScene(device_.get()));
     rtcSetSceneFlags(scene_.get(), RTC_SCENE_FLAG_ROBUST);
     const RTCGeometry g = rtcNewGeometry(device_.get(), RTC_GEOMETRY_TYPE_TRIANGLE);
-    void* p = rtcSetNewGeometryBuffer(g, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 3 * sizeof(float), std::size_t(vertices));
-    void* i = rtcSetNewGeometryBuffer(g, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 3 * sizeof(int), std::size_t(triangles));
+    void* p = rtcSetNewGeometryBuffer(g, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 3 * sizeof(float),
+                                      std::size_t(vertices));
+    void* i =
+        rtcSetNewGeometryBuffer(g, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 3 * sizeof(int), std::size_t(triangles));
     check();
     for (int v = 0; v < vertices; ++v) {
       const float xyz[3] = {mesh_.positions[v].x, mesh_.positions[v].y, mesh_.positions[v].z};
@@ -97,10 +101,12 @@ public:
 
   const Mesh& mesh() const { return mesh_; }
 
-  /// What the camera sees. samples x samples rays a pixel measure its coverage, at places that are spread evenly and are
-  /// the same every time; samples = 1 looks at the centre only and is fastest.
+  /// What the camera sees. samples x samples rays a pixel measure its coverage, at places that are spread evenly and
+  /// are the same every time; a pixel that is hit at its centre as all its eight neighbours are counts as covered.
+  /// samples = 1 looks at the centres only and is fastest.
   GBuffer trace(const Camera& camera, int samples = 4) const {
-    if (camera.width <= 0 || camera.height <= 0) throw Error("camera of " + std::to_string(camera.width) + " x " + std::to_string(camera.height) + " pixels");
+    if (camera.width <= 0 || camera.height <= 0)
+      throw Error("camera of " + std::to_string(camera.width) + " x " + std::to_string(camera.height) + " pixels");
     const int w = camera.width, h = camera.height, tiles = (w + 3) / 4, rows = (h + 3) / 4;
     std::vector<Hit> hits(std::size_t(w) * h);
     std::vector<int> first(h + 1);
@@ -110,10 +116,26 @@ public:
       for (int tile = 0; tile < tiles; ++tile) {
         const int x0 = tile * 4, y0 = row * 4;
         if (x0 + 3 < frame[0] || x0 > frame[2] || y0 + 3 < frame[1] || y0 > frame[3]) continue;
-        trace_tile(camera, x0, y0, places, hits.data());
+        trace_tile(camera, x0, y0, hits.data());
       }
-      for (int y = row * 4; y < std::min(h, row * 4 + 4); ++y) {
-        for (int x = 0; x < w; ++x) first[y + 1] += hits[std::size_t(y) * w + x].triangle != none;
+    });
+    std::vector<std::uint8_t> inside(hits.size());
+    if (!places.empty()) {
+      parallel_for(h, [&](int y) {
+        for (int x = 1; x + 1 < w && y > 0 && y + 1 < h; ++x) {
+          bool all = true;
+          for (int k = 0; k < 9 && all; ++k)
+            all = hits[std::size_t(y + k / 3 - 1) * w + x + k % 3 - 1].triangle != none;
+          inside[std::size_t(y) * w + x] = all;
+        }
+      });
+    }
+    parallel_for(h, [&](int y) {
+      for (int x = 0; x < w; ++x) {
+        const std::size_t i = std::size_t(y) * w + x;
+        const bool seen = x >= frame[0] && x <= frame[2] && y >= frame[1] && y <= frame[3];
+        if (!places.empty() && seen && !inside[i]) cover(camera, x, y, places, hits[i]);
+        first[y + 1] += hits[i].triangle != none;
       }
     });
     for (int y = 0; y < h; ++y) first[y + 1] += first[y];
@@ -133,11 +155,12 @@ public:
     return g;
   }
 
-  /// For every pair of origin and unit direction: 1 if a ray meets the mesh before `reach` metres, else 0. The caller lifts
-  /// origins off the surface (lift).
-  void occluded(std::span<const vec3<float>> origins, std::span<const vec3<float>> directions, std::span<std::uint8_t> out,
-                float reach = std::numeric_limits<float>::infinity()) const {
-    if (origins.size() != directions.size() || out.size() != origins.size()) throw Error("occluded: as many origins, directions and results expected");
+  /// For every pair of origin and unit direction: 1 if a ray meets the mesh before `reach` metres, else 0. The caller
+  /// lifts origins off the surface (lift).
+  void occluded(std::span<const vec3<float>> origins, std::span<const vec3<float>> directions,
+                std::span<std::uint8_t> out, float reach = std::numeric_limits<float>::infinity()) const {
+    if (origins.size() != directions.size() || out.size() != origins.size())
+      throw Error("occluded: as many origins, directions and results expected");
     const int n = int(origins.size()), block = 256 * packet;
     parallel_for((n + block - 1) / block, [&](int b) {
       for (int i = b * block; i < std::min(n, (b + 1) * block); i += packet) {
@@ -161,7 +184,9 @@ public:
         std::uint8_t* const to = out.data() + d * stride;
         for (int i = b * block; i < std::min(n, (b + 1) * block); i += packet) {
           const int count = std::min(packet, n - i);
-          shadow_packet(count, true, std::numeric_limits<float>::infinity(), to + i, [&](int k) { return Ray{origins[i + k], directions[d]}; });
+          shadow_packet(count, true, std::numeric_limits<float>::infinity(), to + i, [&](int k) {
+            return Ray{origins[i + k], directions[d]};
+          });
           for (int k = 0; k < count; ++k) to[i + k] = !to[i + k];
         }
       }
@@ -219,7 +244,8 @@ private:
   std::array<int, 4> outline(const Camera& c) const {
     float x0 = 1e9f, y0 = 1e9f, x1 = -1e9f, y1 = -1e9f;
     for (int k = 0; k < 8; ++k) {
-      const vec3<float> p = c.project({k & 1 ? box_.low.x : box_.high.x, k & 2 ? box_.low.y : box_.high.y, k & 4 ? box_.low.z : box_.high.z});
+      const vec3<float> p = c.project(
+          {k & 1 ? box_.low.x : box_.high.x, k & 2 ? box_.low.y : box_.high.y, k & 4 ? box_.low.z : box_.high.z});
       if (!(p.z > 1e-4f)) return {0, 0, c.width - 1, c.height - 1};
       x0 = std::min(x0, p.x), x1 = std::max(x1, p.x), y0 = std::min(y0, p.y), y1 = std::max(y1, p.y);
     }
@@ -245,7 +271,7 @@ private:
     for (int k = 0; k < n; ++k) out[k] = r.tfar[k] < 0;
   }
 
-  void trace_tile(const Camera& c, int x0, int y0, const std::vector<vec2<float>>& places, Hit* hits) const {
+  void trace_tile(const Camera& c, int x0, int y0, Hit* hits) const {
     RTCRayHit16 r;
     alignas(64) int valid[packet];
     for (int k = 0; k < packet; ++k) {
@@ -258,9 +284,7 @@ private:
     for (int k = 0; k < packet; ++k) {
       if (!valid[k]) continue;
       const int x = x0 + k % 4, y = y0 + k / 4;
-      Hit& hit = hits[std::size_t(y) * c.width + x];
-      if (r.hit.geomID[k] != none) hit = {r.hit.primID[k], r.hit.u[k], r.hit.v[k], 1};
-      if (!places.empty()) cover(c, x, y, places, hit);
+      if (r.hit.geomID[k] != none) hits[std::size_t(y) * c.width + x] = {r.hit.primID[k], r.hit.u[k], r.hit.v[k], 1};
     }
   }
   /// Measures the pixel's coverage; where its centre missed, the hit becomes the covered place nearest to it.
@@ -284,7 +308,8 @@ private:
     if (hit.triangle == none && nearest >= 0) {
       RTCRayHit16 r;
       alignas(64) int valid[packet] = {-1};
-      set(r.ray, 0, c.position, c.toward(float(x) + places[nearest].x, float(y) + places[nearest].y), std::numeric_limits<float>::infinity());
+      set(r.ray, 0, c.position, c.toward(float(x) + places[nearest].x, float(y) + places[nearest].y),
+          std::numeric_limits<float>::infinity());
       r.hit.geomID[0] = none;
       detail::Query::intersect(scene_.get(), valid, r, true);
       if (r.hit.geomID[0] != none) hit = {r.hit.primID[0], r.hit.u[0], r.hit.v[0], 0};
@@ -316,7 +341,9 @@ private:
       t = std::abs(n.y) < 0.99f ? cross(vec3<float>(0, 1, 0), n) : cross(vec3<float>(0, 0, 1), n);  // no uvs: level
     }
     t = normalize(t);
-    const auto put = [&](int at, const vec3<float>& x) { g.plane[at][i] = x.x, g.plane[at + 1][i] = x.y, g.plane[at + 2][i] = x.z; };
+    const auto put = [&](int at, const vec3<float>& x) {
+      g.plane[at][i] = x.x, g.plane[at + 1][i] = x.y, g.plane[at + 2][i] = x.z;
+    };
     put(0, p), put(3, n), put(6, t), put(9, view);
     const float s = t0.x * w + t1.x * u + t2.x * v, q = t0.y * w + t1.y * u + t2.y * v;
     g.plane[12][i] = detail::finite(s) ? s : 0;

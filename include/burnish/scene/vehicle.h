@@ -1,8 +1,9 @@
 // burnish/scene/vehicle.h -- a vehicle put on its wheels: unit, axes and place made the same for all files
 // SPDX-License-Identifier: Apache-2.0
 //
-// The normalised frame: metres, +Y up, the lowest point on y = 0, the bounding box centred at x = z = 0, the length along
-// x and the front towards +x (so the vehicle's right side is +z). Only turned, moved and scaled evenly, never mirrored.
+// The normalised frame: metres, +Y up, the lowest point on y = 0, the bounding box centred at x = z = 0, the length
+// along x and the front towards +x (so the vehicle's right side is +z). Only turned, moved and scaled evenly, never
+// mirrored.
 #pragma once
 #include <cctype>
 #include <initializer_list>
@@ -18,7 +19,8 @@ struct VehicleOptions {
 };
 
 namespace detail {
-/// "wheelFrontLeft", "Wheel F-L" -> "_wheel_front_left_", "_wheel_f_l_": name and material of a part, for finding words.
+/// "wheelFrontLeft", "Wheel F-L" -> "_wheel_front_left_", "_wheel_f_l_": name and material of a part, for finding
+/// words.
 inline std::string words_of(const Part& p) {
   std::string s = "_";
   char before = '_';
@@ -83,7 +85,8 @@ inline float symmetry(const Mesh& m, const Box& box, int axis) {
   }
   return shared / (3 * float(m.triangles.size()));
 }
-/// The mean distance from the middle of `across`, in half widths, over the slab of `along` between the shares lo and hi.
+/// The mean distance from the middle of `across`, in half widths, over the slab of `along` between the shares lo and
+/// hi.
 inline float spread_in(const Mesh& m, const Box& box, int along, float lo, float hi, int across) {
   double sum = 0, area = 0;
   for (std::size_t t = 0; t < m.triangles.size(); ++t) {
@@ -132,7 +135,8 @@ inline Axis find_up(const Mesh& m, std::string& why) {
     float most = 0;
     for (int a = 0; a < 3; ++a) {
       const float offset = 2 * at(d, a) / std::max(at(size, a), 1e-30f);
-      if (std::abs(offset) > most && at(size, a) < longest) most = std::abs(offset), best = {a, offset < 0 ? 1.0f : -1.0f};
+      if (std::abs(offset) > most && at(size, a) < longest)
+        most = std::abs(offset), best = {a, offset < 0 ? 1.0f : -1.0f};
     }
     if (most > 0.25f) {
       why = "by where the wheels are";
@@ -152,8 +156,9 @@ inline Axis find_up(const Mesh& m, std::string& why) {
   return {up, -1};
 }
 
-/// How far the mesh is turned in the plane y = 0 away from the nearest axis, by the principal axes of its surface, which
-/// for a mirror-symmetric body are its own; radians. 0 when it is as wide as long, or its box would hardly be smaller.
+/// How far the mesh is turned in the plane y = 0 away from the nearest axis, by the principal axes of its surface,
+/// which for a mirror-symmetric body are its own; radians. 0 when it is as wide as long, or its box would hardly be
+/// smaller.
 inline float find_yaw(const Mesh& m) {
   double area = 0, x = 0, z = 0, xx = 0, xz = 0, zz = 0;
   for (std::size_t t = 0; t < m.triangles.size(); ++t) {
@@ -184,10 +189,11 @@ inline float find_yaw(const Mesh& m) {
 inline bool front_is_ahead(const Mesh& m, std::string& why) {
   const Box box = bounds(m);
   const float half = 0.5f * box.size().x, center = box.center().x;
-  const Middle front = middle_of(m, {"front", "headl", "head_l", "hood", "bonnet", "windsh", "windsc", "grill", "parabri",
-                                     "capot", "_fl_", "_fr_", "_f_l_", "_f_r_", "steer"});
-  const Middle rear = middle_of(m, {"rear", "taill", "tail_l", "trunk", "exhaust", "muffler", "redl", "red_l", "reverse",
-                                    "brakel", "brake_l", "stop_l", "stopl", "_rl_", "_rr_", "_r_l_", "_r_r_", "_back_"});
+  const Middle front = middle_of(m, {"front", "headl", "head_l", "hood", "bonnet", "windsh", "windsc", "grill",
+                                     "parabri", "capot", "_fl_", "_fr_", "_f_l_", "_f_r_", "steer"});
+  const Middle rear =
+      middle_of(m, {"rear", "taill", "tail_l", "trunk", "exhaust", "muffler", "redl", "red_l", "reverse", "brakel",
+                    "brake_l", "stop_l", "stopl", "_rl_", "_rr_", "_r_l_", "_r_r_", "_back_"});
   float score = 0;
   if (front.area > 0) score += (front.place.x - center) / half;
   if (rear.area > 0) score -= (rear.place.x - center) / half;
@@ -234,9 +240,9 @@ inline bool front_is_ahead(const Mesh& m, std::string& why) {
 }
 }  // namespace detail
 
-/// Brings a vehicle into the normalised frame. A vehicle that stands askew in its file is turned straight. Unit: a length
-/// of 2.4 to 25 is taken as metres; else as centimetres or millimetres where that makes 2.4 to 20 m, or as inches or feet
-/// where that makes 3 to 7 m; else the length becomes 4.5 m.
+/// Brings a vehicle into the normalised frame. A vehicle that stands askew in its file is turned straight. Unit: a
+/// length of 2.4 to 25 is taken as metres; else as centimetres or millimetres where that makes 2.4 to 20 m, or as
+/// inches or feet where that makes 3 to 7 m; else the length becomes 4.5 m.
 inline void normalise_vehicle(Mesh& m, MeshReport& report, const VehicleOptions& options = {}) {
   using namespace detail;
   if (m.triangles.empty()) return;
@@ -259,7 +265,8 @@ inline void normalise_vehicle(Mesh& m, MeshReport& report, const VehicleOptions&
   if (!told) {
     if (const float yaw = find_yaw(m); std::abs(yaw) > 0.05f) {
       turn({std::cos(yaw), 0, std::sin(yaw)}, {0, 1, 0}, {-std::sin(yaw), 0, std::cos(yaw)});
-      report.add("stands " + std::to_string(int(std::lround(std::abs(yaw) * 57.29578f))) + " degrees askew in the file: turned");
+      report.add("stands " + std::to_string(int(std::lround(std::abs(yaw) * 57.29578f))) +
+                 " degrees askew in the file: turned");
     }
     if (const vec3<float> size = bounds(m).size(); size.z > size.x) turn({0, 0, 1}, {0, 1, 0}, {-1, 0, 0});
     if (!front_is_ahead(m, why_front)) turn({-1, 0, 0}, {0, 1, 0}, {0, 0, -1});
@@ -284,7 +291,8 @@ inline void normalise_vehicle(Mesh& m, MeshReport& report, const VehicleOptions&
     }
   }
   char line[128];
-  std::snprintf(line, sizeof line, "%.4g long in the file: %s, %.2f m", double(size), found.c_str(), double(size * scale));
+  std::snprintf(line, sizeof line, "%.4g long in the file: %s, %.2f m", double(size), found.c_str(),
+                double(size * scale));
   report.add(line);
   const Box box = bounds(m);
   const vec3<float> origin(box.center().x, box.low.y, box.center().z);
