@@ -14,9 +14,9 @@ template <class Random, class... P> void move(Random& random, P&... p) {
   (burnish::each([](auto& x) { if constexpr (burnish::Plain<std::remove_reference_t<decltype(x)>>) x = float(x); }, p), ...);
 }
 /// One number out of a result: a fixed mixture of its components.
-template <class T> T mixture(const T& y) requires burnish::Number<T> { return y; }
-template <class T> T mixture(const burnish::vec2<T>& y) { return y.x * 0.75f - y.y * 1.25f; }
-template <class T> T mixture(const burnish::vec3<T>& y) { return y.x * 0.75f - y.y * 1.25f + y.z * 0.5f; }
+template <class T> constexpr T mixture(const T& y) requires burnish::Number<T> { return y; }
+template <class T> constexpr T mixture(const burnish::vec2<T>& y) { return y.x * 0.75f - y.y * 1.25f; }
+template <class T> constexpr T mixture(const burnish::vec3<T>& y) { return y.x * 0.75f - y.y * 1.25f + y.z * 0.875f; }
 
 struct Anywhere {
   template <class... P> bool operator()(const P&...) const { return true; }

@@ -46,7 +46,7 @@ template <class T> Taps<T> taps(T u, int n, AddressMode mode) {
     x = select(back, 2.0f - m, m);
     rate = select(back, -rate, rate);
   }
-  const T s = max(min(x * float(n) - 0.5f, T(float(n + 1))), T(-2.0f)), low = floor(s), high = low + 1.0f, f = s - low;
+  const T s = min(T(float(n + 1)), max(T(-2.0f), x * float(n) - 0.5f)), low = floor(s), high = low + 1.0f, f = s - low;
   Taps<T> t{{low, high}, {1.0f - f, f}, {-rate, rate}};
   if (mode == AddressMode::constant)
     for (int k = 0; k < 2; ++k) {
@@ -58,7 +58,7 @@ template <class T> Taps<T> taps(T u, int n, AddressMode mode) {
     t.at[0] = select(low < T(0.0f), T(last), low);
     t.at[1] = select(high > T(last), T(0.0f), high);
   }
-  for (T& i : t.at) i = min(max(i, T(0.0f)), T(last));  // a coordinate that is no number reads inside, too
+  for (T& i : t.at) i = min(max(i, T(0.0f)), T(last));  // a coordinate that is NaN reads inside, too, and gives NaN
   return t;
 }
 
