@@ -83,12 +83,12 @@ template <std::size_t Count> void bench(int width, int height, int rounds, bool 
   std::vector<Row> rows{
       {"primal, packets", [&] { return unrolled ? primal(s, lifted_array, loss_over_array) : primal(s, lifted_list, loss_over_list); }, {}},
       {"adjoint by hand, packets", [&] { return hand<int(Count)>(s, d); }, {}},
-      {"recorded by the compiler, loop node", [&] { const auto r = sum_and_gradient<Player::compiled>(s.pixels, with(loss_over_list, s.lights), s.paint); d = r.second; return r.first; }, {}},
-      {"recorded at run time, loop node", [&] { const auto r = sum_and_gradient<Player::replayed>(s.pixels, with(loss_over_list, s.lights), s.paint); d = r.second; return r.first; }, {}},
+      {"recorded by the compiler, loop node", [&] { return sum_and_gradient<Player::compiled>(s.pixels, with(loss_over_list, s.lights), s.paint, d); }, {}},
+      {"recorded at run time, loop node", [&] { return sum_and_gradient<Player::replayed>(s.pixels, with(loss_over_list, s.lights), s.paint, d); }, {}},
   };
   if constexpr (Count <= 8) {
-    rows.push_back({"recorded by the compiler, unrolled", [&] { const auto r = sum_and_gradient<Player::compiled>(s.pixels, with(loss_over_array, array), s.paint); d = r.second; return r.first; }, {}});
-    rows.push_back({"recorded at run time, unrolled", [&] { const auto r = sum_and_gradient<Player::replayed>(s.pixels, with(loss_over_array, array), s.paint); d = r.second; return r.first; }, {}});
+    rows.push_back({"recorded by the compiler, unrolled", [&] { return sum_and_gradient<Player::compiled>(s.pixels, with(loss_over_array, array), s.paint, d); }, {}});
+    rows.push_back({"recorded at run time, unrolled", [&] { return sum_and_gradient<Player::replayed>(s.pixels, with(loss_over_array, array), s.paint, d); }, {}});
   }
   double sum = 0;
   for (int r = 0; r < rounds; ++r)

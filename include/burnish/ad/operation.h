@@ -67,6 +67,11 @@ struct Div : Operation<2> {
     return {q, -q * y};
   }
 };
+/// 1 / a. What a recording makes of quotients: the way back then needs no division.
+struct Reciprocal : Operation<1> {
+  template <class T> static constexpr T value(T a) { return 1.0f / a; }
+  template <class T> static constexpr Back<T, 1> back(T d, T y, T) { return {-d * y * y}; }
+};
 /// a b + c.
 struct MulAdd : Operation<3> {
   template <class T> static constexpr T value(T a, T b, T c) { return a * b + c; }

@@ -38,6 +38,8 @@ constexpr bool cheap(const Node& x) {
          x.op == &info<op::Neg> || x.op == &info<op::Max> || x.op == &info<op::Min> || x.op == &info<op::Abs> ||
          x.op == &info<op::Less> || x.op == &info<op::Select>;
 }
+/// So many cheap operations are worth keeping their result.
+inline constexpr int dear = 6;
 constexpr int inputs_of(const Node& x) {
   return x.kind == Kind::operation ? x.op->inputs : x.kind == Kind::output || x.kind == Kind::sum ? 1 : 0;
 }
@@ -96,19 +98,48 @@ constexpr int make_plan(const R& r, A& p, bool gradient, Turns turns = Turns::ag
         if (in_body(r, j) && node(j).loop == l) back(j);
     }
   }
-  int kept = 0;
-  for (int i = n - 1; i >= 0; --i) {
-    const Node& x = node(i);
-    if (turns == Turns::kept && duty(i).turn && x.kind != Kind::item && !(x.kind == Kind::operation && cheap(x))) {
-      duty(i).turn = false;
-      duty(i).forward = true;
-      duty(i).kept = ++kept;
+  // What a turn reads from the way forth: the costly values, and those that many cheap ones lead to.
+  const auto closure = [&](auto stop) {
+    for (int i = n - 1; i >= 0; --i) {
+      if (stop(i)) {
+        duty(i).turn = false;
+        duty(i).forward = true;
+      }
+      for (int k = 0; k < inputs_of(node(i)); ++k) {
+        if (duty(i).forward) duty(node(i).in[std::size_t(k)]).forward = true;
+        if (duty(i).turn) need(node(i).in[std::size_t(k)]);
+      }
     }
-    for (int k = 0; k < inputs_of(x); ++k) {
-      if (duty(i).forward) duty(x.in[std::size_t(k)]).forward = true;
-      if (duty(i).turn) need(x.in[std::size_t(k)]);
-    }
+  };
+  if (turns == Turns::again) {
+    closure([](int) { return false; });
+    return 0;
   }
+  std::vector<bool> wanted(std::size_t(n), false), keep(std::size_t(n), false);
+  for (int i = 0; i < n; ++i) wanted[std::size_t(i)] = duty(i).turn;
+  std::vector<bool> reached = wanted;
+  for (int i = n - 1; i >= 0; --i)
+    if (reached[std::size_t(i)] && node(i).kind == Kind::operation && cheap(node(i)))
+      for (int k = 0; k < inputs_of(node(i)); ++k)
+        if (in_body(r, node(i).in[std::size_t(k)])) reached[std::size_t(node(i).in[std::size_t(k)])] = true;
+  std::vector<int> cost(std::size_t(n), 0);
+  for (int i = 0; i < n; ++i) {
+    if (!reached[std::size_t(i)] || node(i).kind == Kind::item) continue;
+    if (!(node(i).kind == Kind::operation && cheap(node(i)))) {
+      keep[std::size_t(i)] = true;
+      continue;
+    }
+    int c = 1;
+    for (int k = 0; k < inputs_of(node(i)); ++k) c += cost[std::size_t(node(i).in[std::size_t(k)])];
+    if (c >= dear && wanted[std::size_t(i)]) keep[std::size_t(i)] = true;
+    else cost[std::size_t(i)] = c;
+  }
+  int kept = 0;
+  closure([&](int i) {
+    if (!keep[std::size_t(i)] || !duty(i).turn) return false;
+    duty(i).kept = ++kept;
+    return true;
+  });
   return kept;
 }
 

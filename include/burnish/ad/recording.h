@@ -152,7 +152,7 @@ struct Recorded : detail::Elementary<Recorded> {
     if constexpr (std::is_same_v<Op, op::Mul>)
       return a.is(1) ? (y = b, true) : b.is(1) ? (y = a, true) : a.is(0) || b.is(0) ? (y = R(0.0f), true) : false;
     if constexpr (std::is_same_v<Op, op::Div>)
-      return b.id < 0 ? (y = a * R(1 / b.constant), true) : a.is(0) ? (y = R(0.0f), true) : false;
+      return y = b.id < 0 ? a * R(1 / b.constant) : a.is(0) ? R(0.0f) : a * R::template play<op::Reciprocal>(std::array<R, 1>{b})[0], true;
     return false;
   }
   template <class Op, std::size_t N> static constexpr std::array<Recorded, Op::outputs> play(const std::array<Recorded, N>& x) {

@@ -207,17 +207,24 @@ struct ReplayRun {
   }
 };
 
+/// Ready to take the derivative by `model`: like it in shape; planes keep their room from call to call.
+template <class M> void shape_like(M& d, const M& model) {
+  if constexpr (is_planes<M>) {
+    if (d.size() != model.size()) d = model;
+  } else d = model;
+}
+
 /// Plays all bands. fill(begin, end, image planes, d_image planes) readies a band's adjoints; sums of the model's
 /// adjoints are added in the order of the bands.
 template <class Run, class G, class M, class... Data, class Fill, class Done>
-M play(const Run& run, const G& g, const M& model, const std::tuple<const Data&...>& data, int outputs, bool image, Fill fill, Done done) {
+void play(const Run& run, const G& g, const M& model, const std::tuple<const Data&...>& data, int outputs, bool image, Fill fill, Done done, M& d) {
   const Inputs<G, M, Data...> in(g, model, data);
   const int padded_size = int(padded(std::size_t(g.size()), tile)), n = int(in.parameters.size());
   const std::size_t resources = in.resources.size();
-  M d = model;
+  shape_like(d, model);
   std::vector<float*> d_pixels;
   if constexpr (is_planes<M>)
-    for (auto& p : d.plane) std::fill(p.begin(), p.end(), 0.0f), d_pixels.push_back(p.data());
+    for (auto& p : d.plane) d_pixels.push_back(p.data());
   d_pixels.resize(in.pixels.size());
   std::vector<float> part(std::size_t(n) * bands);
   std::vector<std::vector<Scatter>> scatters(bands, std::vector<Scatter>(resources));
@@ -239,6 +246,8 @@ M play(const Run& run, const G& g, const M& model, const std::tuple<const Data&.
       y[c] -= begin;
       d_y[c] = to - begin;
     }
+    if constexpr (is_planes<M>)  // a plane that the look does not read has no step that would write its adjoint
+      for (auto& p : d.plane) std::fill(p.begin() + begin, p.begin() + end, 0.0f);
     run.band(e, begin, end, y.data(), d_y.data(), part.data() + std::size_t(b) * std::size_t(n), n);
     if (image) done(b, begin, end, y.data());
   });
@@ -254,12 +263,11 @@ M play(const Run& run, const G& g, const M& model, const std::tuple<const Data&.
         gather_scatter(x, scatters, resource++);
       }
     }, d);
-  return d;
 }
 
 /// Chooses the player and plays.
 template <Player Which, bool Image, class G, class M, class Look, class... Data, class Fill, class Done>
-M gradient(const G& g, const With<Look, Data...>& w, const M& model, int outputs, Fill fill, Done done) {
+void gradient(const G& g, const With<Look, Data...>& w, const M& model, int outputs, Fill fill, Done done, M& d) {
   using One = typename model_at<M>::type;
   using Pixels = pixels_of<G>;
   constexpr bool maps = is_planes<M>;
@@ -269,10 +277,10 @@ M gradient(const G& g, const With<Look, Data...>& w, const M& model, int outputs
     static_assert(Captureless<Look>, "burnish: this look captures; the compiler cannot record it. Hand run-time data over "
                                      "with with(look, data...), or leave the choice to Player::automatic");
     using S = Source<One, Pixels::template type, maps, Look, Data...>;
-    return play(CompiledRun<Image, true, S, G, M, Data...>(0), g, model, w.data, outputs, Image, fill, done);
+    play(CompiledRun<Image, true, S, G, M, Data...>(0), g, model, w.data, outputs, Image, fill, done, d);
   } else {
     const Replay replay(record<One, Pixels::template type, maps, Look, Data...>(w.look), Image, true);
-    return play(ReplayRun{replay}, g, model, w.data, outputs, Image, fill, done);
+    play(ReplayRun{replay}, g, model, w.data, outputs, Image, fill, done, d);
   }
 }
 /// Sixteen pixels' worth of whatever planes hold.
@@ -323,21 +331,28 @@ template <class Look, class M> Image render(const GBuffer& g, const Look& look, 
   return image;
 }
 
-/// d loss / d model from d loss / d image; pixels that g does not hold are not read. The same bits for any number of threads.
+/// d loss / d model from d loss / d image, into d; pixels that g does not hold are not read. The same bits for any number
+/// of threads.
 template <Player Which = Player::automatic, class Look, class M>
-M backward(const GBuffer& g, const Look& look, const M& model, const Image& d_image) {
+void backward(const GBuffer& g, const Look& look, const M& model, const Image& d_image, M& d) {
   const auto fill = [&](int c, int begin, int end, float* to) {
     const float* const from = d_image.plane(c);
     const int n = std::min(end, g.size());
     for (int i = begin; i < n; ++i) to[i - begin] = from[g.pixel[std::size_t(i)]];
     std::fill(to + std::max(0, n - begin), to + (end - begin), 0.0f);
   };
-  return detail::gradient<Which, false>(g, detail::as_with<Look>::of(look), model, 3, fill, [](auto...) {});
+  detail::gradient<Which, false>(g, detail::as_with<Look>::of(look), model, 3, fill, [](auto...) {}, d);
+}
+template <Player Which = Player::automatic, class Look, class M>
+M backward(const GBuffer& g, const Look& look, const M& model, const Image& d_image) {
+  M d = model;
+  backward<Which>(g, look, model, d_image, d);
+  return d;
 }
 
-/// {sum over the pixels of f(model, at, data...), its derivative by the model}: f gives a number. One pass.
+/// The sum over the pixels of f(model, at, data...), which gives a number; its derivative by the model into d. One pass.
 template <Player Which = Player::automatic, class G, class F, class M>
-std::pair<double, M> sum_and_gradient(const G& g, const F& f, const M& model) {
+double sum_and_gradient(const G& g, const F& f, const M& model, M& d) {
   std::array<double, detail::bands> sums{};
   const auto fill = [&](int, int begin, int end, float* to) {
     const int n = std::max(0, std::min(end, g.size()) - begin);
@@ -349,9 +364,16 @@ std::pair<double, M> sum_and_gradient(const G& g, const F& f, const M& model) {
     for (int i = begin; i < std::min(end, g.size()); ++i) s += double(y[0][i]);
     sums[std::size_t(b)] = s;
   };
-  M d = detail::gradient<Which, true>(g, detail::as_with<F>::of(f), model, 1, fill, done);
+  detail::gradient<Which, true>(g, detail::as_with<F>::of(f), model, 1, fill, done, d);
   double sum = 0;
   for (const double s : sums) sum += s;
+  return sum;
+}
+/// {the sum, its derivative by the model}.
+template <Player Which = Player::automatic, class G, class F, class M>
+std::pair<double, M> sum_and_gradient(const G& g, const F& f, const M& model) {
+  M d = model;
+  const double sum = sum_and_gradient<Which>(g, f, model, d);
   return {sum, std::move(d)};
 }
 
