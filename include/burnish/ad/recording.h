@@ -33,7 +33,7 @@ struct Recording {
   std::vector<Node> nodes;
   std::vector<Loop> loops;
   std::vector<int> outputs;
-  std::vector<bool> fitted;  // a resource: is it a parameter?
+  std::vector<char> fitted;  // a resource: is it a parameter? (vector<bool> is not constexpr with clang)
   int parameters = 0, data = 0, pixels = 0, lists = 0, open = -1;
 
   constexpr int add(const Node& n) {
