@@ -80,10 +80,17 @@ struct Tent {
     for (int i = 0; i < n; ++i) {
       const double center = (i + 0.5) * step - 0.5;
       first[i] = std::clamp(int(std::ceil(center - reach)), 0, m - count);
-      double sum = 0;
-      for (int k = 0; k < count; ++k) sum += std::max(0.0, 1 - std::abs(first[i] + k - center) / reach);
+      const auto weight = [&](int k) { return std::max(0.0, 1 - std::abs(first[i] + k - center) / reach); };
+      double sum = 0, mean = 0, spread = 0;
+      for (int k = 0; k < count; ++k) sum += weight(k), mean += weight(k) * (first[i] + k - center);
+      mean /= sum;
+      for (int k = 0; k < count; ++k) spread += weight(k) / sum * std::pow(first[i] + k - center - mean, 2);
+      // Sampled, a tent leans a little to one side; away from the border it is set upright, so that a ramp stays one.
+      const bool inside = center >= reach && center + reach <= m - 1;
+      const double lean = inside && spread > 0 ? mean / spread : 0;
       for (int k = 0; k < count; ++k) {
-        weights[std::size_t(i) * count + k] = float(std::max(0.0, 1 - std::abs(first[i] + k - center) / reach) / sum);
+        const double x = first[i] + k - center - mean;
+        weights[std::size_t(i) * count + k] = float(weight(k) / sum * (1 - lean * x));
       }
     }
   }
