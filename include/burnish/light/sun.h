@@ -35,20 +35,22 @@ constexpr T ggx_d_spot(const vec3<T>& n, const vec3<T>& v, const vec3<T>& l, con
   const vec3<T> sum = v + l;
   const T up = max(dot(n, sum), 1e-3f), over = 1.0f / up, nl = dot(n, l);
   const vec3<T> across = cross(cross(n, sum), n);  // the part of v + l in the plane: no difference of large numbers
-  const vec3<T> m = across * over, q = l - n * nl - m * nl;
-  // S = k (I + m m^T - q q^T) in the plane perpendicular to n, and all that is needed of it are four invariants.
-  const T k = variance * over * over, m2 = dot(m, m), q2 = dot(q, q), mq = dot(m, q);
-  const T trace = m2 - q2, area = max(m2 * q2 - mq * mq, 0.0f);
-  const T along = k * max(1.0f + m2 - mq * mq / (m2 + 1e-12f), 0.0f);  // variance of the light in the direction of m
-  const T p = a2 + m2 - 2.0f * along, beta = (p + sqrt(p * p + 8.0f * a2 * along)) / (2.0f * a2), slower = 1.0f / beta;
+  const vec3<T> m = across * over;
+  // S = k X, and all that is needed of X are three invariants, each a sum of positive numbers: trace and determinant (the
+  // last by the change of solid angle, dl = 4 vh dh), and m^T adj(X) m.
+  const T k = variance * over * over, m2 = dot(m, m), ml = dot(m, l), size2 = dot(sum, sum), root = 0.5f * size2 * over;
+  const T trace = 1.0f + nl * nl + m2 * max(1.0f - nl * nl, 0.0f) + 2.0f * nl * ml, across_m = m2 * nl * nl + ml * ml;
+  const T along = k * max(trace - across_m / (m2 + 1e-12f), 0.0f);  // variance of the light in the direction of m
+  // beta = 1 + m2 / (a2 + 2 along / beta), the root above 1, written for either sign of p so that nothing cancels.
+  const T p = a2 + m2 - 2.0f * along, s = sqrt(p * p + 8.0f * a2 * along);
+  const T beta = max(select(p > 0.0f, (p + s) / (2.0f * a2), 4.0f * along / max(s - p, 1e-30f)), 1.0f), slower = 1.0f / beta;
   T density = 0.0f;
   for (int i = 0; i < 5; ++i) {
-    const T t = node[i] * slower, b = 2.0f * t * k, a = a2 + b;
-    const T det = max(a * (a + b * trace) - b * b * area, 1e-36f);
-    const T exponent = (a * m2 - b * area) / det;
+    const T t = node[i] * slower, b = 2.0f * t * k, det = a2 * a2 + b * (a2 * trace + b * root * root);
+    const T exponent = (a2 * m2 + b * across_m) / det;
     density += weight[i] * t * rsqrt(det) * exp(node[i] - t * (1.0f + exponent));
   }
-  const T h_z2 = dot(sum, sum) * over * over;  // 1 / cos^2 of the half vector
+  const T h_z2 = size2 * over * over;  // 1 / cos^2 of the half vector
   return density * slower * inverse_pi * (h_z2 * h_z2);
 }
 

@@ -1,0 +1,69 @@
+// tests/light/sky.cpp -- the laws of burnish/light/sky.h
+// SPDX-License-Identifier: Apache-2.0
+#include <burnish/light/sky.h>
+#include "../math/laws.h"
+#include "reference.h"
+using namespace burnish;
+
+namespace {
+/// Any of bands 0 to 4.
+double soft(const vec3<double>& d) {
+  return 2 + d.y - 0.5 * d.x + 0.7 * d.x * d.z + 0.4 * (3 * d.y * d.y - 1) + 0.3 * d.x * d.y * d.z + 0.2 * (std::pow(d.x, 4) - 6 * d.x * d.x * d.z * d.z + std::pow(d.z, 4));
+}
+/// A unit direction out of two free numbers, in any number type.
+struct Direction {
+  template <class T> static vec3<T> of(const T& a, const T& b) { return normalize(vec3<T>(cos(a), 0.7f * sin(b) + 0.1f, sin(a))); }
+};
+}  // namespace
+
+TEST_CASE("HarmonicSky: bands that an environment has are found and given back", "[light][value]") {
+  for (const float yaw : {0.0f, 0.8f}) {
+    const auto sky = project_sky<HarmonicSky4>(EnvironmentLight(reference::panorama(soft, 128), yaw));
+    for (int i = 0; i < 200; ++i) {
+      const vec3<double> d = latlong_direction(std::fmod(i * 0.618, 1), (i + 0.5) / 200);
+      CHECK(sky_radiance(sky, vec3<float>(turned(d, double(yaw)))).x == Approx(soft(d)).margin(3e-3));
+    }
+  }
+}
+
+TEST_CASE("HarmonicSky: irradiances are those of the hemisphere's quadrature", "[light][value]") {
+  const auto sky = project_sky<HarmonicSky4>(EnvironmentLight(reference::panorama(soft, 128)));
+  for (int i = 0; i < 12; ++i) {
+    const vec3<double> n = latlong_direction(std::fmod(i * 0.618, 1), (i + 0.5) / 12);
+    const auto e = reference::irradiance(soft, n, 200);
+    CHECK(sky_irradiance(sky, vec3<float>(n)).y == Approx(e[0]).epsilon(1e-3));
+    CHECK(sky_irradiance<1>(sky, vec3<float>(n)).y == Approx(e[1]).epsilon(2e-3));
+    CHECK(sky_irradiance<2>(sky, vec3<float>(n)).y == Approx(e[2]).epsilon(3e-3));
+  }
+}
+
+TEST_CASE("HarmonicSky: the cosine's bands are Ramamoorthi and Hanrahan's pi, 2 pi/3, pi/4, 0, -pi/24", "[light][value]") {
+  const double known[5] = {1, 2.0 / 3, 0.25, 0, -1.0 / 24};
+  for (int l = 0; l < 5; ++l) CHECK(detail::zonal(l, 0) == Approx(reference::pi * known[l]).margin(1e-6));
+  CHECK(detail::zonal(0, 5) == Approx(2 * reference::pi / 42));
+  CHECK(detail::zonal(0, 10) == Approx(2 * reference::pi / 132));
+}
+
+TEST_CASE("HarmonicSky: it starts as an even sky of radiance 1", "[light][value]") {
+  CHECK(sky_radiance(HarmonicSky2<float>{}, vec3<float>(0, 1, 0)).x == Approx(1));
+  CHECK(sky_irradiance(HarmonicSky4<float>{}, vec3<float>(0, 0, 1)).y == Approx(reference::pi));
+}
+
+TEST_CASE("HarmonicSky: suns enter the projection when asked for, with all their power", "[light][energy]") {
+  Image p(128, 64, vec3<float>(0.1f));
+  p.set(40, 10, vec3<float>(5000));
+  const EnvironmentLight e(p);
+  REQUIRE(e.suns.size() == 1);
+  const double whole = e.energy().x, found = project_sky<HarmonicSky2>(e, true).l0m0.x * std::sqrt(4 * reference::pi);
+  CHECK(found == Approx(whole).epsilon(1e-4));
+  CHECK(project_sky<HarmonicSky2>(e).l0m0.x * std::sqrt(4 * reference::pi) == Approx(whole - e.suns[0].power.x).epsilon(1e-4));
+}
+
+TEST_CASE("HarmonicSky: one value in every number, and right slopes by coefficients and direction", "[light][gradient]") {
+  const auto at = [](auto f) {
+    return [f](const auto& sky, const auto& a, const auto& b) { return f(sky, Direction::of(a, b)); };
+  };
+  laws::hold(at([](const auto& s, const auto& d) { return sky_radiance(s, d); }), HarmonicSky2<double>{}, 0.0, 0.0);
+  laws::hold(at([](const auto& s, const auto& d) { return sky_irradiance(s, d); }), laws::Anywhere{}, laws::How{2e-5, 1e-2, 200}, HarmonicSky4<double>{}, 0.0, 0.0);
+  laws::hold(at([](const auto& s, const auto& d) { return sky_irradiance<2>(s, d); }), HarmonicSky2<double>{}, 0.0, 0.0);
+}
