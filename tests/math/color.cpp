@@ -45,8 +45,8 @@ TEST_CASE("sRGB: known values, there and back, right slopes", "[math][gradient]"
   CHECK(linear_from_srgb(-0.1) == Approx(-0.1 / 12.92));
   for (double x = -0.1; x < 2; x += 0.01) CHECK(srgb_from_linear(linear_from_srgb(x)) == Approx(x).margin(2e-6));
   const auto off_edge = [](const auto& p) {
-    return std::min({std::fabs(p.x - 0.04045), std::fabs(p.y - 0.04045), std::fabs(p.z - 0.04045), std::fabs(p.x - 0.0031308),
-                     std::fabs(p.y - 0.0031308), std::fabs(p.z - 0.0031308)}) > 0.005;
+    return std::min({std::fabs(p.x - 0.04045), std::fabs(p.y - 0.04045), std::fabs(p.z - 0.04045),
+                     std::fabs(p.x - 0.0031308), std::fabs(p.y - 0.0031308), std::fabs(p.z - 0.0031308)}) > 0.005;
   };
   laws::hold([](const auto& c) { return linear_from_srgb(c); }, off_edge, {.step = 1e-3}, vec3<double>());
   laws::hold([](const auto& c) { return srgb_from_linear(c); }, off_edge, {.step = 1e-3}, vec3<double>());
@@ -73,16 +73,20 @@ TEST_CASE("HSV: agrees with the procedures by cases, there and back", "[math][va
 }
 TEST_CASE("HSV: one value and right slopes in every number", "[math][gradient]") {
   laws::hold([](const auto& x) { return rgbtohsv(x.c); }, apart, {.rounding = 1e-4, .step = 3e-3}, Color<double>());
-  laws::hold([](const auto& x) { return hsvtorgb(vec3{x.amount.x, x.c.y, x.c.z}); },
-             [](const auto& x) { return off_sixths(x.amount.x); }, {.step = 3e-3}, Color<double>());
+  laws::hold(
+      [](const auto& x) {
+        return hsvtorgb(vec3{x.amount.x, x.c.y, x.c.z});
+      },
+      [](const auto& x) { return off_sixths(x.amount.x); }, {.step = 3e-3}, Color<double>());
   laws::hold([](const auto& x) { return hsvadjust(x.c, x.amount); },
              [](const auto& x) { return apart(x) && off_sixths(hsv_by_cases(x.c).x + x.amount.x); }, {.step = 3e-3},
              Color<double>());
 }
 TEST_CASE("hsvadjust: the identity has the slopes of the identity, at grey too", "[math][limit]") {
-  for (const vec3<double>& c : {vec3<double>(0.5), vec3<double>(0.0), vec3<double>{0.7, 0.7, 0.2}, vec3<double>{0.1, 0.6, 0.6},
-                               vec3<double>{1, 0, 0}, vec3<double>{0.3, 0.3, 0.9}, vec3<double>{0.2, 0.5, 0.2},
-                               vec3<double>{0, 1, 1}, vec3<double>{1, 0, 1}, vec3<double>{0.6, 0.1, 0.1}, vec3<double>(0.9)}) {
+  for (const vec3<double>& c :
+       {vec3<double>(0.5), vec3<double>(0.0), vec3<double>{0.7, 0.7, 0.2}, vec3<double>{0.1, 0.6, 0.6},
+        vec3<double>{1, 0, 0}, vec3<double>{0.3, 0.3, 0.9}, vec3<double>{0.2, 0.5, 0.2}, vec3<double>{0, 1, 1},
+        vec3<double>{1, 0, 1}, vec3<double>{0.6, 0.1, 0.1}, vec3<double>(0.9)}) {
     CAPTURE(c.x, c.y, c.z);
     const auto channel = [](int i) {
       return [i](const auto& x) {
@@ -118,7 +122,10 @@ TEST_CASE("XYZ and Lab: white, known values, there and back, right slopes", "[ma
   }
   // At (6/29)^3 = 0.008856 of X, Y, Z over white only the second derivative jumps.
   laws::hold([](const auto& x) { return lab_from_rgb(x.c); },
-             [](const auto& x) { return std::min({x.c.x, x.c.y, x.c.z}) > 0.02; }, {.rounding = 1e-4, .step = 3e-3}, Color<double>());
+             [](const auto& x) {
+               return std::min({x.c.x, x.c.y, x.c.z}) > 0.02;
+             },
+             {.rounding = 1e-4, .step = 3e-3}, Color<double>());
   laws::hold([](const auto& x) { return rgb_from_lab(x.c * 60.0f); }, [](const auto& x) { return x.c.x > 0.4; },
              {.rounding = 1e-4, .step = 3e-3}, Color<double>());
   laws::hold([](const auto& x) { return rgb_from_xyz(xyz_from_rgb(x.amount)); }, Color<double>());

@@ -7,8 +7,8 @@ using namespace burnish;
 
 namespace {
 template <class T> bool orthonormal(const Frame<T>& f, double within) {
-  const double errors[] = {double(dot(f.t, f.t)) - 1, double(dot(f.b, f.b)) - 1, double(dot(f.t, f.b)), double(dot(f.t, f.n)),
-                           double(dot(f.b, f.n)), double(dot(cross(f.t, f.b), f.n)) - 1};
+  const double errors[] = {double(dot(f.t, f.t)) - 1, double(dot(f.b, f.b)) - 1, double(dot(f.t, f.b)),
+                           double(dot(f.t, f.n)),     double(dot(f.b, f.n)),     double(dot(cross(f.t, f.b), f.n)) - 1};
   return std::all_of(std::begin(errors), std::end(errors), [&](double e) { return std::fabs(e) < within; });
 }
 vec3<double> direction(std::mt19937_64& random) {
@@ -30,7 +30,8 @@ TEST_CASE("Frame: is orthonormal and right-handed for every normal", "[math][val
     CHECK(length(back.to_world(f.to_local(a)) - a) < 1e-14);
     CHECK(f.to_local(n).z == Approx(1));
   }
-  for (const vec3<double> n : {vec3<double>{0, 0, 1}, vec3<double>{0, 0, -1}, vec3<double>{1, 0, 0}, vec3<double>{0, -1, 0}}) {
+  for (const vec3<double> n :
+       {vec3<double>{0, 0, 1}, vec3<double>{0, 0, -1}, vec3<double>{1, 0, 0}, vec3<double>{0, -1, 0}}) {
     CHECK(orthonormal(frame_of(n), 1e-15));
     CHECK(orthonormal(frame_of(n, n), 1e-15));
   }
@@ -38,11 +39,15 @@ TEST_CASE("Frame: is orthonormal and right-handed for every normal", "[math][val
 TEST_CASE("Frame: one value and right slopes in every number", "[math][gradient]") {
   // Edge: n.z = 0.
   laws::hold([](const auto& a, const auto& b) { return frame_of(normalize(a)).to_world(b); },
-             [](const auto& a, const auto&) { return std::fabs(a.z) > 0.1; }, laws::How{}, vec3<double>(), vec3<double>());
+             [](const auto& a, const auto&) { return std::fabs(a.z) > 0.1; }, laws::How{}, vec3<double>(),
+             vec3<double>());
   const auto f = [](const auto& a, const auto& b, const auto& c) { return frame_of(normalize(a), b).to_local(c); };
-  laws::hold(f, [](const auto& a, const auto& b, const auto&) {
-    return std::fabs(a.z) > 0.1 && length(a) > 0.3 && length(cross(a, b)) > 0.3;
-  }, laws::How{}, vec3<double>(), vec3<double>(), vec3<double>());
+  laws::hold(
+      f,
+      [](const auto& a, const auto& b, const auto&) {
+        return std::fabs(a.z) > 0.1 && length(a) > 0.3 && length(cross(a, b)) > 0.3;
+      },
+      laws::How{}, vec3<double>(), vec3<double>(), vec3<double>());
 }
 TEST_CASE("reflect and refract: lie in the plane of incidence and obey the laws of Euclid and Snell", "[math][value]") {
   std::mt19937_64 random(2);
@@ -67,9 +72,11 @@ TEST_CASE("reflect and refract: lie in the plane of incidence and obey the laws 
 TEST_CASE("reflect and refract: one value and right slopes in every number", "[math][gradient]") {
   laws::hold([](const auto& v, const auto& n) { return reflect(v, n); }, vec3<double>(), vec3<double>());
   // Edge: the angle of total reflection.
-  laws::hold([](const auto& v, const auto& n, const auto& eta) { return refract(normalize(v), normalize(n), abs(eta)); },
-             [](const auto& v, const auto& n, const auto& eta) {
-               const double c = dot(normalize(v), normalize(n)), k = 1 - eta * eta * (1 - c * c);
-               return long_enough(v) && long_enough(n) && std::fabs(k) > 0.15 && c * c < 0.99 && std::fabs(eta) > 0.1;
-             }, laws::How{}, vec3<double>(), vec3<double>(), 1.0);
+  laws::hold(
+      [](const auto& v, const auto& n, const auto& eta) { return refract(normalize(v), normalize(n), abs(eta)); },
+      [](const auto& v, const auto& n, const auto& eta) {
+        const double c = dot(normalize(v), normalize(n)), k = 1 - eta * eta * (1 - c * c);
+        return long_enough(v) && long_enough(n) && std::fabs(k) > 0.15 && c * c < 0.99 && std::fabs(eta) > 0.1;
+      },
+      laws::How{}, vec3<double>(), vec3<double>(), 1.0);
 }

@@ -11,7 +11,12 @@ namespace laws {
 /// A point inside the ranges of p..., rounded to float, so that every number type stands on the same one.
 template <class Random, class... P> void move(Random& random, P&... p) {
   (burnish::randomize(p, random), ...);
-  (burnish::each([](auto& x) { if constexpr (burnish::Plain<std::remove_reference_t<decltype(x)>>) x = float(x); }, p), ...);
+  (burnish::each(
+       [](auto& x) {
+         if constexpr (burnish::Plain<std::remove_reference_t<decltype(x)>>) x = float(x);
+       },
+       p),
+   ...);
 }
 /// One number out of a result: a fixed mixture of its components.
 template <class T> constexpr T mixture(const T& y) requires burnish::Number<T> { return y; }
@@ -29,8 +34,8 @@ struct How {
 };
 
 /// f(p...) is a number or vector; p are numbers or structs of double and tell the ranges only. At random places where
-/// away(p...) holds, f gives one value in float, double, both packets, Var and Dual, and its slopes agree with Richardson
-/// differences in double to 1e-7 relative.
+/// away(p...) holds, f gives one value in float, double, both packets, Var and Dual, and its slopes agree with
+/// Richardson differences in double to 1e-7 relative.
 template <class F, class Away, class... P> void hold(F f, Away away, How how, P... p) {
   using namespace burnish;
   std::mt19937_64 random(20);
@@ -48,7 +53,8 @@ template <class F, class Away, class... P> void hold(F f, Away away, How how, P.
     if (i >= 100) continue;
     const double y = number(p...), unit_of = std::max(std::fabs(y), 1.0);
     const auto differs = [&](double other) { return std::isfinite(other) ? std::fabs(other - y) / unit_of : 1e30; };
-    const double in_float = std::max(differs(number(lift<float>(p)...)), differs(number(lift<Packet<float, 16>>(p)...)[i % 16]));
+    const double in_float =
+        std::max(differs(number(lift<float>(p)...)), differs(number(lift<Packet<float, 16>>(p)...)[i % 16]));
     const double in_double =
         std::max({differs(number(lift<Packet<double, 8>>(p)...)[i % 8]), differs(number(lift<Var<double>>(p)...).value),
                   differs(number(lift<Dual<double, 2>>(p)...).value)});

@@ -12,7 +12,8 @@ template <class T> struct Place {
   T octaves = 3.0f, lacunarity = 2.0f, diminish = 0.5f;
   static constexpr auto parameters() {
     return std::tuple{Param{"p", &Place::p, Range{-2, 2}}, Param{"octaves", &Place::octaves, Range{0, 5}},
-                      Param{"lacunarity", &Place::lacunarity, Range{1.5f, 3}}, Param{"diminish", &Place::diminish, Range{0.2f, 0.9f}}};
+                      Param{"lacunarity", &Place::lacunarity, Range{1.5f, 3}},
+                      Param{"diminish", &Place::diminish, Range{0.2f, 0.9f}}};
   }
 };
 constexpr auto mixed = [](const auto& h) { return h.value + 0.3f * h.slope.x - 0.7f * h.slope.y; };
@@ -23,15 +24,14 @@ constexpr auto mixed3 = [](const auto& h) { return h.value + 0.3f * h.slope.x - 
 // double precision against GLM, and from a transcription in another language, which agree in all digits. The places are
 // whole multiples of 1/64, so that float meets them exactly.
 TEST_CASE("noise2d: gives MaterialX's values", "[math][value]") {
-  constexpr double table[][3] = {
-      {-0.359375, -0.703125, 0.293506164238},      {0.296875, -0.859375, 0.0701238188833},
-      {0.078125, -0.265625, -0.242607866476},      {-0.890625, 0.015625, -0.146572007302},
-      {-3.703125, -0.53125, -0.368458863925},      {-3.4375, -3.28125, -0.0363379006142},
-      {-0.609375, 2.609375, 0.014182643184},       {-3.015625, -2.21875, -0.189958976962},
-      {7.640625, 26.859375, -0.0577962080477},     {4.625, -6.203125, 0.432284985952},
-      {28.578125, -27.203125, 0.257089798911},     {21.515625, -12.625, -0.203755870001},
-      {-711.484375, -764.421875, 0.443368403375},  {-383.03125, 632.25, 0.211420988044},
-      {-638.546875, 163.203125, -0.375918846275},  {277.828125, -255.203125, 0.290209537719}};
+  constexpr double table[][3] = {{-0.359375, -0.703125, 0.293506164238},     {0.296875, -0.859375, 0.0701238188833},
+                                 {0.078125, -0.265625, -0.242607866476},     {-0.890625, 0.015625, -0.146572007302},
+                                 {-3.703125, -0.53125, -0.368458863925},     {-3.4375, -3.28125, -0.0363379006142},
+                                 {-0.609375, 2.609375, 0.014182643184},      {-3.015625, -2.21875, -0.189958976962},
+                                 {7.640625, 26.859375, -0.0577962080477},    {4.625, -6.203125, 0.432284985952},
+                                 {28.578125, -27.203125, 0.257089798911},    {21.515625, -12.625, -0.203755870001},
+                                 {-711.484375, -764.421875, 0.443368403375}, {-383.03125, 632.25, 0.211420988044},
+                                 {-638.546875, 163.203125, -0.375918846275}, {277.828125, -255.203125, 0.290209537719}};
   for (const auto& [x, y, n] : table) {
     CAPTURE(x, y);
     CHECK(noise2d(vec2<double>{x, y}).value == Approx(n).epsilon(0).margin(2e-8));
@@ -39,15 +39,22 @@ TEST_CASE("noise2d: gives MaterialX's values", "[math][value]") {
   }
 }
 TEST_CASE("noise3d: gives MaterialX's values", "[math][value]") {
-  constexpr double table[][4] = {
-      {0.09375, -0.875, -0.875, -0.254166451478},        {-0.59375, 0.359375, -0.140625, 0.310367468402},
-      {-0.375, 0.171875, -0.09375, 0.0217271580134},     {-0.40625, 0.59375, 0.390625, 0.0145501985412},
-      {-2.046875, 0.59375, 0.203125, 0.278622088535},    {3.0, 1.828125, -1.703125, 0.324486766491},
-      {3.84375, -3.0625, -0.65625, 0.0401333175069},     {2.0625, -2.78125, -0.09375, 0.317241889847},
-      {-27.640625, 10.09375, 15.875, 0.318132489797},    {4.375, 22.53125, -11.171875, -0.74782787344},
-      {11.71875, 5.65625, 4.796875, -0.25171120474},     {-2.625, 20.390625, 26.6875, 0.3095203458},
-      {-51.796875, 328.296875, -878.65625, -0.295273509324}, {402.984375, 294.25, 986.1875, 0.24311439866},
-      {643.84375, -430.8125, -228.421875, 0.444890898419},   {337.3125, -954.875, -76.609375, 0.113038960202}};
+  constexpr double table[][4] = {{0.09375, -0.875, -0.875, -0.254166451478},
+                                 {-0.59375, 0.359375, -0.140625, 0.310367468402},
+                                 {-0.375, 0.171875, -0.09375, 0.0217271580134},
+                                 {-0.40625, 0.59375, 0.390625, 0.0145501985412},
+                                 {-2.046875, 0.59375, 0.203125, 0.278622088535},
+                                 {3.0, 1.828125, -1.703125, 0.324486766491},
+                                 {3.84375, -3.0625, -0.65625, 0.0401333175069},
+                                 {2.0625, -2.78125, -0.09375, 0.317241889847},
+                                 {-27.640625, 10.09375, 15.875, 0.318132489797},
+                                 {4.375, 22.53125, -11.171875, -0.74782787344},
+                                 {11.71875, 5.65625, 4.796875, -0.25171120474},
+                                 {-2.625, 20.390625, 26.6875, 0.3095203458},
+                                 {-51.796875, 328.296875, -878.65625, -0.295273509324},
+                                 {402.984375, 294.25, 986.1875, 0.24311439866},
+                                 {643.84375, -430.8125, -228.421875, 0.444890898419},
+                                 {337.3125, -954.875, -76.609375, 0.113038960202}};
   for (const auto& [x, y, z, n] : table) {
     CAPTURE(x, y, z);
     CHECK(noise3d(vec3<double>{x, y, z}).value == Approx(n).epsilon(0).margin(2e-8));
@@ -80,7 +87,11 @@ TEST_CASE("noise2d and noise3d: the slopes they give are those of their value", 
   for (int i = 0; i < 1000; ++i) {
     vec3<double> p{3, 4, 5};
     laws::move(random, p);
-    const auto [n, dx, dy, dz] = differentiate([](auto x, auto y, auto z) { return noise3d(vec3{x, y, z}).value; }, p.x, p.y, p.z);
+    const auto [n, dx, dy, dz] = differentiate(
+        [](auto x, auto y, auto z) {
+          return noise3d(vec3{x, y, z}).value;
+        },
+        p.x, p.y, p.z);
     const auto h = noise3d(p);
     CHECK(h.value == n);
     CHECK(std::max({std::fabs(h.slope.x - dx), std::fabs(h.slope.y - dy), std::fabs(h.slope.z - dz)}) < 1e-13);
@@ -103,14 +114,21 @@ TEST_CASE("fractal2d and fractal3d: one value and right slopes in every number",
     q.p.y = p.p.z;
     return inside(p) && inside(q);
   };
-  laws::hold([](const auto& p) { return mixed(fractal2d(vec2{p.p.x, p.p.y}, p.octaves, p.lacunarity, p.diminish)); },
-             inside, {.rounding = 1e-3, .step = 1e-4}, Place<double>());
+  laws::hold(
+      [](const auto& p) {
+        return mixed(fractal2d(vec2{p.p.x, p.p.y}, p.octaves, p.lacunarity, p.diminish));
+      },
+      inside, {.rounding = 1e-3, .step = 1e-4}, Place<double>());
   laws::hold([](const auto& p) { return mixed3(fractal3d(p.p, p.octaves, p.lacunarity, p.diminish)); }, inside3,
              {.rounding = 1e-3, .step = 1e-4}, Place<double>());
 }
 TEST_CASE("fractal2d: at a whole number of octaves the slope is that from below", "[math][limit]") {
   const auto slope = [](double octaves) {
-    return std::get<1>(differentiate([](auto o) { return fractal2d(vec2<decltype(o)>{0.3f, 0.8f}, o, 2.0f, 0.5f).value; }, octaves));
+    return std::get<1>(differentiate(
+        [](auto o) {
+          return fractal2d(vec2<decltype(o)>{0.3f, 0.8f}, o, 2.0f, 0.5f).value;
+        },
+        octaves));
   };
   CHECK(slope(3.0) == slope(2.5));
   CHECK(slope(3.0) != slope(3.5));
@@ -123,12 +141,14 @@ TEST_CASE("noise: value and slopes have no seam at lattice lines and corners", "
   std::uniform_int_distribution<int> corner(-40, 40);
   std::uniform_real_distribution<double> along(-1, 1);
   for (int i = 0; i < 500; ++i) {
-    const vec3<double> c{double(corner(random)), double(corner(random)), i % 2 ? along(random) : double(corner(random))};
+    const vec3<double> c{double(corner(random)), double(corner(random)),
+                         i % 2 ? along(random) : double(corner(random))};
     const vec3<double> d{along(random), along(random), along(random)};
     const auto a = noise3d(c - d * 1e-9), b = noise3d(c + d * 1e-9);
     CHECK(std::fabs(a.value - b.value) < 1e-8);
     CHECK(length(a.slope - b.slope) < 1e-7);
-    const auto e = noise2d(vec2<double>{c.x - d.x * 1e-9, c.y - d.y * 1e-9}), f = noise2d(vec2<double>{c.x + d.x * 1e-9, c.y + d.y * 1e-9});
+    const auto e = noise2d(vec2<double>{c.x - d.x * 1e-9, c.y - d.y * 1e-9}),
+               f = noise2d(vec2<double>{c.x + d.x * 1e-9, c.y + d.y * 1e-9});
     CHECK(std::fabs(e.value - f.value) < 1e-8);
     CHECK(length(e.slope - f.slope) < 1e-7);
   }

@@ -9,7 +9,8 @@ namespace {
 template <class T> struct Soft {
   T x, a, width;
   static constexpr auto parameters() {
-    return std::tuple{Param{"x", &Soft::x, Range{-1, 2}}, Param{"a", &Soft::a, unit}, Param{"width", &Soft::width, Range{0.05f, 0.3f}}};
+    return std::tuple{Param{"x", &Soft::x, Range{-1, 2}}, Param{"a", &Soft::a, unit},
+                      Param{"width", &Soft::width, Range{0.05f, 0.3f}}};
   }
 };
 const auto off = [](const auto& s) {  // the ends of the soft part, where the second derivative jumps
@@ -25,7 +26,8 @@ TEST_CASE("Soft edges: outside the width they are the sharp functions", "[math][
       CHECK(smooth_min(x, 0.25, 0.125) == std::min(x, 0.25));
     }
     if (std::fabs(x) >= 0.125) CHECK(smooth_abs(x, 0.125) == std::fabs(x));
-    if (std::fabs(x) >= 0.125 && std::fabs(x - 1) >= 0.125) CHECK(smooth_clamp(x, 0, 1, 0.125) == Approx(std::clamp(x, 0.0, 1.0)));
+    if (std::fabs(x) >= 0.125 && std::fabs(x - 1) >= 0.125)
+      CHECK(smooth_clamp(x, 0, 1, 0.125) == Approx(std::clamp(x, 0.0, 1.0)));
     CHECK(soft_threshold(x, 0.25, 0.01) == Approx(1 / (1 + std::exp(-(x - 0.25) / 0.01))).margin(1e-12));
   }
   CHECK(smooth_max(1.0, 1.0, 0.2) == Approx(1.05));
@@ -34,7 +36,8 @@ TEST_CASE("Soft edges: outside the width they are the sharp functions", "[math][
   CHECK(smooth_pulse(0.5, 0.25, 0.75, 0.1) == 1);
   CHECK(smooth_pulse(0.25, 0.25, 0.75, 0.1) == Approx(0.5));
 }
-TEST_CASE("Soft edges: slopes are continuous over the ends of the soft part and right at its middle", "[math][gradient]") {
+TEST_CASE("Soft edges: slopes are continuous over the ends of the soft part and right at its middle",
+          "[math][gradient]") {
   const auto slope = [](auto f, double x) { return std::get<1>(differentiate(f, x)); };
   const auto top = [](auto x) { return smooth_max(x, 0.25f, 0.125f); };
   const auto bend = [](auto x) { return smooth_abs(x, 0.125f); };
@@ -54,15 +57,17 @@ TEST_CASE("Soft edges: one value and right slopes in every number", "[math][grad
   laws::hold([](const auto& s) { return smooth_max(s.x, s.a, s.width); }, off, how, Soft<double>());
   laws::hold([](const auto& s) { return smooth_min(s.x, s.a, s.width); }, off, how, Soft<double>());
   laws::hold([](const auto& s) { return smooth_abs(s.x, s.width); }, off, how, Soft<double>());
-  laws::hold([](const auto& s) { return smooth_pulse(s.x, s.a, s.a + 0.6f, s.width); }, [](const auto& s) {
-    return off(s) && std::fabs(std::fabs(s.x - s.a - 0.6) - s.width) > 0.04;
-  }, how, Soft<double>());
-  laws::hold([](const auto& s) { return smooth_clamp(s.x, s.a, s.a + 0.7f, s.width); }, [](const auto& s) {
-    return off(s) && std::fabs(std::fabs(s.x - s.a - 0.7) - s.width) > 0.04;
-  }, how, Soft<double>());
-  laws::hold([](const auto& s) { return soft_threshold(s.x, s.a, s.width); }, [](const auto& s) {
-    return std::fabs(s.x - s.a) < 9 * s.width;  // beyond, the slope is lost in the rounding of the value
-  }, how, Soft<double>());
+  laws::hold([](const auto& s) { return smooth_pulse(s.x, s.a, s.a + 0.6f, s.width); },
+             [](const auto& s) { return off(s) && std::fabs(std::fabs(s.x - s.a - 0.6) - s.width) > 0.04; }, how,
+             Soft<double>());
+  laws::hold([](const auto& s) { return smooth_clamp(s.x, s.a, s.a + 0.7f, s.width); },
+             [](const auto& s) { return off(s) && std::fabs(std::fabs(s.x - s.a - 0.7) - s.width) > 0.04; }, how,
+             Soft<double>());
+  laws::hold([](const auto& s) { return soft_threshold(s.x, s.a, s.width); },
+             [](const auto& s) {
+               return std::fabs(s.x - s.a) < 9 * s.width;  // beyond, the slope is lost in the rounding of the value
+             },
+             how, Soft<double>());
 }
 TEST_CASE("bias and gain: keep the ends, meet their middle and have right slopes", "[math][gradient]") {
   for (double a = 0.1; a < 1; a += 0.1) {
@@ -73,7 +78,9 @@ TEST_CASE("bias and gain: keep the ends, meet their middle and have right slopes
     CHECK(gain(0.25, a) == Approx(1 - gain(0.75, a)));
   }
   CHECK(bias(0.3, 0.5) == Approx(0.3));
-  const auto inside = [](const auto& s) { return s.x > 0.02 && s.x < 0.98 && std::fabs(s.x - 0.5) > 0.02 && s.a > 0.1 && s.a < 0.9; };
+  const auto inside = [](const auto& s) {
+    return s.x > 0.02 && s.x < 0.98 && std::fabs(s.x - 0.5) > 0.02 && s.a > 0.1 && s.a < 0.9;
+  };
   laws::hold([](const auto& s) { return bias(s.x, s.a); }, inside, laws::How{}, Soft<double>());
   laws::hold([](const auto& s) { return gain(s.x, s.a); }, inside, laws::How{}, Soft<double>());
 }

@@ -52,11 +52,14 @@ TEST_CASE("blend nodes: at their poles value and slopes are numbers", "[nodes][l
   finite(Difference<double>{}, 0.5);
 }
 TEST_CASE("blend nodes: one value and right slopes in every number", "[nodes][gradient]") {
-  const auto holds = [](auto... node) { (laws::hold(blends, off_edges, {.rounding = 1e-4}, node, Colors<double>()), ...); };
-  holds(Mix<double>(), Plus<double>(), Minus<double>(), Difference<double>(), Multiply<double>(), Max<double>(), Min<double>(),
-        Screen<double>(), Overlay<double>(), Burn<double>(), Dodge<double>());
+  const auto holds = [](auto... node) {
+    (laws::hold(blends, off_edges, {.rounding = 1e-4}, node, Colors<double>()), ...);
+  };
+  holds(Mix<double>(), Plus<double>(), Minus<double>(), Difference<double>(), Multiply<double>(), Max<double>(),
+        Min<double>(), Screen<double>(), Overlay<double>(), Burn<double>(), Dodge<double>());
 }
-TEST_CASE("blend nodes: recorded by the compiler, recorded at run time and taped they are the same", "[nodes][agreement]") {
+TEST_CASE("blend nodes: recorded by the compiler, recorded at run time and taped they are the same",
+          "[nodes][agreement]") {
   constexpr auto look = [](const auto& node, const auto& c) { return laws::mixture(node(c.a, c.b)); };
   players_agree<Colors>(look, Overlay<float>{0.6f});
   players_agree<Colors>(look, Difference<float>{0.6f});

@@ -54,26 +54,33 @@ TEST_CASE("image: texel centres are met and between them lies the bilinear mean,
   for (const AddressMode mode : modes)
     for (const auto& [w, h] : {std::pair{5, 3}, {1, 1}, {8, 1}, {2, 7}}) {
       const TextureData image = noisy(w, h, 3, mode);
-      CHECK(read<op::ImageRead<3>>(image, (w - 0.5) / w, 0.5 / h)[2] == Approx(double(image.at(w - 1, 0, 2))).epsilon(1e-12));
+      CHECK(read<op::ImageRead<3>>(image, (w - 0.5) / w, 0.5 / h)[2] ==
+            Approx(double(image.at(w - 1, 0, 2))).epsilon(1e-12));
       for (int i = 0; i < 300; ++i) {
         vec2<double> uv;
         laws::move(random, uv);
         CAPTURE(int(mode), w, h, uv.x, uv.y);
         const auto y = read<op::ImageRead<4>>(image, uv.x, uv.y);
-        for (int c = 0; c < 4; ++c) CHECK(y[std::size_t(c)] == Approx(bilinear(image, uv.x, uv.y, c)).epsilon(0).margin(1e-12));
-        CHECK(double(read<op::ImageRead<1>>(image, float(uv.x), float(uv.y))[0]) == Approx(y[0]).epsilon(0).margin(2e-5));
-        CHECK(double(read<op::ImageRead<1>>(image, Packet<float, 16>(float(uv.x)), Packet<float, 16>(float(uv.y)))[0][i % 16]) ==
+        for (int c = 0; c < 4; ++c)
+          CHECK(y[std::size_t(c)] == Approx(bilinear(image, uv.x, uv.y, c)).epsilon(0).margin(1e-12));
+        CHECK(double(read<op::ImageRead<1>>(image, float(uv.x), float(uv.y))[0]) ==
               Approx(y[0]).epsilon(0).margin(2e-5));
-        CHECK(read<op::ImageRead<1>>(image, Packet<double, 8>(uv.x), Packet<double, 8>(uv.y))[0][i % 8] == Approx(y[0]).margin(1e-14));
+        CHECK(double(read<op::ImageRead<1>>(image, Packet<float, 16>(float(uv.x)),
+                                            Packet<float, 16>(float(uv.y)))[0][i % 16]) ==
+              Approx(y[0]).epsilon(0).margin(2e-5));
+        CHECK(read<op::ImageRead<1>>(image, Packet<double, 8>(uv.x), Packet<double, 8>(uv.y))[0][i % 8] ==
+              Approx(y[0]).margin(1e-14));
       }
     }
 }
-TEST_CASE("image: has no seam at the border when periodic or mirrored, and ends in `outside` when constant", "[nodes][limit]") {
+TEST_CASE("image: has no seam at the border when periodic or mirrored, and ends in `outside` when constant",
+          "[nodes][limit]") {
   for (const AddressMode mode : {AddressMode::periodic, AddressMode::mirror}) {
     const TextureData image = noisy(5, 3, 1, mode);
     for (double v = -1.7; v < 2; v += 0.1)
       for (int n = -2; n <= 2; ++n) {
-        const auto before = read<op::ImageHeight>(image, n - 1e-12, v), after = read<op::ImageHeight>(image, n + 1e-12, v);
+        const auto before = read<op::ImageHeight>(image, n - 1e-12, v),
+                   after = read<op::ImageHeight>(image, n + 1e-12, v);
         CHECK(std::fabs(before[0] - after[0]) < 1e-10);
         if (mode == AddressMode::periodic) CHECK(std::fabs(before[1] - after[1]) < 1e-9);
         else CHECK(std::fabs(before[1]) + std::fabs(after[1]) < 1e-9);  // level at a mirror
@@ -99,10 +106,12 @@ TEST_CASE("image: right slopes by uv in every mode, of colours and of heights", 
       return n;
     };
     laws::hold([&](const auto& uv) { return node(uv.x)(uv); }, off, {.rounding = 1e-4, .step = 5e-3}, vec2<double>());
-    laws::hold([&](const auto& uv) {
-      const auto h = node(uv.x).height(uv);
-      return h.value + 0.3f * h.slope.x - 0.2f * h.slope.y;
-    }, off, {.rounding = 1e-4, .step = 5e-3}, vec2<double>());
+    laws::hold(
+        [&](const auto& uv) {
+          const auto h = node(uv.x).height(uv);
+          return h.value + 0.3f * h.slope.x - 0.2f * h.slope.y;
+        },
+        off, {.rounding = 1e-4, .step = 5e-3}, vec2<double>());
     std::mt19937_64 random(17);
     for (int i = 0; i < 300; ++i) {
       vec2<double> uv;
@@ -116,7 +125,8 @@ TEST_CASE("image: right slopes by uv in every mode, of colours and of heights", 
   }
 }
 TEST_CASE("image: what goes back to the texels is the transpose of the lookup", "[nodes][gradient]") {
-  // <lookup(texels), d> = <texels, scattered d>, for images whose outside is 0: then the lookup is linear in the texels.
+  // <lookup(texels), d> = <texels, scattered d>, for images whose outside is 0: then the lookup is linear in the
+  // texels.
   const auto transposed = []<class Op, class T>(Op, T, AddressMode mode) {
     TextureData image = noisy(5, 3, 3, mode);
     image.outside = {};
@@ -135,7 +145,8 @@ TEST_CASE("image: what goes back to the texels is the transpose of the lookup", 
       for (int c = 0; c < Op::outputs; ++c) {
         const T both = y[c] * d_y[c];
         if constexpr (Plain<T>) forth += both;
-        else for (int k = 0; k < T::size; ++k) forth += both[k];
+        else
+          for (int k = 0; k < T::size; ++k) forth += both[k];
       }
       for (const auto& e : scatter.entries)
         for (int k = 0; k < lanes; ++k) back += double(e.value[k]) * double(image.texels.at(std::size_t(e.index[k])));
@@ -176,7 +187,8 @@ TEST_CASE("image: texels are a parameter, in both recorded players", "[nodes][ag
     auto up = node, down = node;  // the look is quadratic in the texels: the central difference is exact
     up.file.texels[i] += 0.125f, down.file.texels[i] -= 0.125f;
     double by_difference = 0;
-    for (int p = 0; p < 300; ++p) by_difference += (double(look(up, places.at(p))) - double(look(down, places.at(p)))) / 0.25;
+    for (int p = 0; p < 300; ++p)
+      by_difference += (double(look(up, places.at(p))) - double(look(down, places.at(p)))) / 0.25;
     CHECK(double(d_a.file.texels[i]) == Approx(by_difference).epsilon(1e-3).margin(2e-3));
     CHECK(double(d_b.file.texels[i]) == Approx(by_difference).epsilon(1e-3).margin(2e-3));
     largest = std::max(largest, std::fabs(by_difference));

@@ -8,7 +8,8 @@ using namespace burnish;
 namespace {
 constexpr auto off_lattice = [](double x) { return std::fabs(x - std::round(x)) > 0.02; };
 constexpr auto inside = [](const auto&, const auto& s) {
-  return off_lattice(s.uv.x) && off_lattice(s.uv.y) && off_lattice(s.position.x) && off_lattice(s.position.y) && off_lattice(s.position.z);
+  return off_lattice(s.uv.x) && off_lattice(s.uv.y) && off_lattice(s.position.x) && off_lattice(s.position.y) &&
+         off_lattice(s.position.z);
 };
 /// Off the lattice lines of every octave, where third derivatives jump, and off whole octaves, the edges.
 constexpr auto inside_all = [](const auto& node, const auto& s) {
@@ -42,10 +43,13 @@ TEST_CASE("noise nodes: one value and right slopes in every number", "[nodes][gr
   laws::hold(over_uv, inside_all, {.rounding = 1e-3, .step = 1e-4}, Fractal2d<double>(), Spot<double>());
   laws::hold(in_space, inside_all, {.rounding = 1e-3, .step = 1e-4}, Fractal3d<double>(), Spot<double>());
 }
-TEST_CASE("noise nodes: recorded by the compiler, recorded at run time and taped they are the same", "[nodes][agreement]") {
-  players_agree<Spot>([](const auto& node, const auto& s) { return node(s.uv) * node.height(s.uv).slope.x; }, Noise2d<float>{0.7f, 0.2f});
+TEST_CASE("noise nodes: recorded by the compiler, recorded at run time and taped they are the same",
+          "[nodes][agreement]") {
+  players_agree<Spot>([](const auto& node, const auto& s) { return node(s.uv) * node.height(s.uv).slope.x; },
+                      Noise2d<float>{0.7f, 0.2f});
   players_agree<Spot>([](const auto& node, const auto& s) { return node(s.uv) * node.height(s.uv).slope.x; },
                       Fractal2d<float>{0.7f, 3.4f, 2.1f, 0.6f}, 300, 1e-4);
-  players_agree<Spot>([](const auto& node, const auto& s) { return node(s.position) * node.height(s.position).slope.z; },
-                      Fractal3d<float>{0.7f, 2.4f, 2.1f, 0.6f}, 300, 1e-4);
+  players_agree<Spot>(
+      [](const auto& node, const auto& s) { return node(s.position) * node.height(s.position).slope.z; },
+      Fractal3d<float>{0.7f, 2.4f, 2.1f, 0.6f}, 300, 1e-4);
 }

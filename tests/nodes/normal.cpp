@@ -42,7 +42,8 @@ TEST_CASE("heighttonormal: agrees with the cross product of differenced tangents
     CHECK(length(n) == Approx(1));
   }
 }
-TEST_CASE("bent_normal: agrees with heighttonormal over a plane, and with differences over a sphere", "[nodes][value]") {
+TEST_CASE("bent_normal: agrees with heighttonormal over a plane, and with differences over a sphere",
+          "[nodes][value]") {
   const Height<double> flat{0.3, {0.4, -0.7}};
   const Height3<double> solid{0.3, {0.4, -0.7, 5.0}};  // the slope along the normal does not count
   CHECK(length(bent_normal(vec3<double>{0, 0, 1}, solid, 0.5) - HeightToNormal<double>{0.5}(flat)) < 1e-15);
@@ -54,7 +55,9 @@ TEST_CASE("bent_normal: agrees with heighttonormal over a plane, and with differ
     laws::move(random, p);
     p = normalize(p);
     const auto f = frame_of(p);
-    const auto moved = [&](const vec3<double>& q) { return normalize(q) * (1 + scale * noise3d(normalize(q) * 3.0).value); };
+    const auto moved = [&](const vec3<double>& q) {
+      return normalize(q) * (1 + scale * noise3d(normalize(q) * 3.0).value);
+    };
     const auto t = moved(p + f.t * step) - moved(p - f.t * step), b = moved(p + f.b * step) - moved(p - f.b * step);
     auto h = noise3d(p * 3.0);
     h.slope = h.slope * 3.0;
@@ -66,15 +69,17 @@ TEST_CASE("normalmap: decodes, scales the tilt, survives empty texels", "[nodes]
   CHECK(length(NormalMap<double>{}(vec3<double>{0.8, 0.5, 0.9}) - vec3<double>{0.6, 0, 0.8}) < 1e-7);
   CHECK(length(NormalMap<double>{2}(vec3<double>{0.8, 0.5, 0.9}) - normalize(vec3<double>{1.2, 0, 0.8})) < 1e-7);
   for (const double grey : {0.0, 0.5}) {
-    const auto [y, d] = differentiate([](const auto& c) { return laws::mixture(NormalMap<std::remove_cvref_t<decltype(c.x)>>{}(c)); },
-                                      vec3<double>(grey));
+    const auto [y, d] =
+        differentiate([](const auto& c) { return laws::mixture(NormalMap<std::remove_cvref_t<decltype(c.x)>>{}(c)); },
+                      vec3<double>(grey));
     CHECK(y == Approx(0.875));
     CHECK(std::isfinite(d.x + d.y + d.z));
   }
   const auto f = frame_of(normalize(vec3<double>{1, 2, 3}));
   CHECK(length(NormalMap<double>{}(vec3<double>{0.5, 0.5, 1}, f) - f.n) < 1e-15);
 }
-TEST_CASE("normal blend: flat detail leaves the base, a flat base leaves the detail, length stays 1", "[nodes][symmetry]") {
+TEST_CASE("normal blend: flat detail leaves the base, a flat base leaves the detail, length stays 1",
+          "[nodes][symmetry]") {
   std::mt19937_64 random(14);
   const vec3<double> up{0, 0, 1};
   for (int i = 0; i < 300; ++i) {
@@ -94,21 +99,29 @@ TEST_CASE("normal nodes: one value and right slopes in every number", "[nodes][g
     const auto off = [](double x) { return std::fabs(x - std::round(x)) > 0.02; };
     return off(s.uv.x) && off(s.uv.y) && off(s.position.x) && off(s.position.y) && off(s.position.z);
   };
-  laws::hold([](const auto& node, const auto& s) { return node([](const auto& uv) { return noise2d(uv); }, s.uv); }, off_lattice,
-             {.rounding = 1e-4}, HeightToNormal<double>(), Spot<double>());
-  laws::hold([](const auto& node, const auto& s) {
-    using T = std::remove_cvref_t<decltype(node.scale)>;
-    return bent_normal(vec3<T>{T(0.6f), T(0.0f), T(0.8f)}, noise3d(s.position), node.scale);
-  }, off_lattice, {.rounding = 1e-4}, HeightToNormal<double>(), Spot<double>());
-  laws::hold([](const auto& node, const auto& n) { return node(n.a); }, [](const auto& node, const auto& n) {
-    return node.scale > 0.1 && length(n.a * 2.0 - vec3<double>(1)) > 0.3;
-  }, {.step = 2e-3}, NormalMap<double>(), Normals<double>());
-  laws::hold([](const auto& node, const auto& n) { return node(upwards(n.a), upwards(n.b)); }, NormalBlend<double>(), Normals<double>());
+  laws::hold([](const auto& node, const auto& s) { return node([](const auto& uv) { return noise2d(uv); }, s.uv); },
+             off_lattice, {.rounding = 1e-4}, HeightToNormal<double>(), Spot<double>());
+  laws::hold(
+      [](const auto& node, const auto& s) {
+        using T = std::remove_cvref_t<decltype(node.scale)>;
+        return bent_normal(vec3<T>{T(0.6f), T(0.0f), T(0.8f)}, noise3d(s.position), node.scale);
+      },
+      off_lattice, {.rounding = 1e-4}, HeightToNormal<double>(), Spot<double>());
+  laws::hold(
+      [](const auto& node, const auto& n) { return node(n.a); },
+      [](const auto& node, const auto& n) { return node.scale > 0.1 && length(n.a * 2.0 - vec3<double>(1)) > 0.3; },
+      {.step = 2e-3}, NormalMap<double>(), Normals<double>());
+  laws::hold([](const auto& node, const auto& n) { return node(upwards(n.a), upwards(n.b)); }, NormalBlend<double>(),
+             Normals<double>());
 }
-TEST_CASE("normal nodes: recorded by the compiler, recorded at run time and taped they are the same", "[nodes][agreement]") {
-  players_agree<Spot>([](const auto& node, const auto& s) {
-    return laws::mixture(node([](const auto& uv) { return noise2d(uv * 1.5f); }, s.uv));
-  }, HeightToNormal<float>{0.6f}, 300, 1e-4);
-  players_agree<Normals>([](const auto& node, const auto& n) { return laws::mixture(node(upwards(n.a), upwards(n.b))); },
-                         NormalBlend<float>{0.8f});
+TEST_CASE("normal nodes: recorded by the compiler, recorded at run time and taped they are the same",
+          "[nodes][agreement]") {
+  players_agree<Spot>(
+      [](const auto& node, const auto& s) {
+        return laws::mixture(node([](const auto& uv) { return noise2d(uv * 1.5f); }, s.uv));
+      },
+      HeightToNormal<float>{0.6f}, 300, 1e-4);
+  players_agree<Normals>(
+      [](const auto& node, const auto& n) { return laws::mixture(node(upwards(n.a), upwards(n.b))); },
+      NormalBlend<float>{0.8f});
 }

@@ -21,8 +21,9 @@ template <class T> struct Colors {
   }
 };
 
-/// Look: a captureless type; look(node, at) gives a number. Its sum over `count` random places and the derivative by the
-/// node are the same when recorded by the compiler, when recorded at run time and when taped in double place by place.
+/// Look: a captureless type; look(node, at) gives a number. Its sum over `count` random places and the derivative by
+/// the node are the same when recorded by the compiler, when recorded at run time and when taped in double place by
+/// place.
 template <template <class> class At, class Look, template <class> class Node>
 void players_agree(Look look, const Node<float>& node, int count = 300, double within = 3e-5) {
   using namespace burnish;
@@ -35,9 +36,8 @@ void players_agree(Look look, const Node<float>& node, int count = 300, double w
     randomize(at, random);
     places.set(i, at);
     const auto at64 = lift<double>(at);
-    const auto [y, d] = differentiate([&]<class N>(const N& n) {
-      return look(n, lift<detail::scalar_in_t<N>>(at64));
-    }, lift<double>(node));
+    const auto [y, d] = differentiate([&]<class N>(const N& n) { return look(n, lift<detail::scalar_in_t<N>>(at64)); },
+                                      lift<double>(node));
     sum += y, magnitude += std::fabs(y);
     std::size_t k = 0;
     each([&](double x) { slopes[k] += x, sizes[k++] += std::fabs(x); }, d);
@@ -45,11 +45,13 @@ void players_agree(Look look, const Node<float>& node, int count = 300, double w
   const auto same = [&](const auto& result) {
     CHECK(result.first == Approx(sum).epsilon(0).margin(within * magnitude));
     std::size_t k = 0;
-    each([&](float x) {
-      CAPTURE(k);
-      CHECK(double(x) == Approx(slopes[k]).epsilon(0).margin(within * sizes[k] + 1e-6));
-      ++k;
-    }, result.second);
+    each(
+        [&](float x) {
+          CAPTURE(k);
+          CHECK(double(x) == Approx(slopes[k]).epsilon(0).margin(within * sizes[k] + 1e-6));
+          ++k;
+        },
+        result.second);
   };
   same(sum_and_gradient<Player::compiled>(places, look, node));
   same(sum_and_gradient<Player::replayed>(places, look, node));

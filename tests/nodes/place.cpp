@@ -20,8 +20,10 @@ TEST_CASE("place2d: scale enlarges, rotate turns, offset moves, in MaterialX's t
 }
 TEST_CASE("place2d: one value and right slopes in every number", "[nodes][gradient]") {
   const auto inside = [](const auto& place, const auto&) { return std::min(place.scale.x, place.scale.y) > 0.2; };
-  laws::hold([](const auto& place, const auto& s) { return place(s.uv); }, inside, {.rounding = 1e-4}, Place2d<double>(), Spot<double>());
-  laws::hold([](const auto& place, const auto& s) { return place.trs(s.uv); }, inside, {.rounding = 1e-4}, Place2d<double>(), Spot<double>());
+  laws::hold([](const auto& place, const auto& s) { return place(s.uv); }, inside, {.rounding = 1e-4},
+             Place2d<double>(), Spot<double>());
+  laws::hold([](const auto& place, const auto& s) { return place.trs(s.uv); }, inside, {.rounding = 1e-4},
+             Place2d<double>(), Spot<double>());
 }
 TEST_CASE("place2d: turns the slopes of what it placed into slopes by texcoord", "[nodes][gradient]") {
   std::mt19937_64 random(8);
@@ -29,16 +31,20 @@ TEST_CASE("place2d: turns the slopes of what it placed into slopes by texcoord",
     Place2d<double> place;
     Spot<double> s;
     laws::move(random, place, s);
-    const auto [n, du, dv] = differentiate([&](auto u, auto v) {
-      return noise2d(lift<decltype(u)>(place)(vec2{u, v})).value;
-    }, s.uv.x, s.uv.y);
+    const auto [n, du, dv] = differentiate(
+        [&](auto u, auto v) {
+          return noise2d(lift<decltype(u)>(place)(vec2{u, v})).value;
+        },
+        s.uv.x, s.uv.y);
     const auto h = place.by_texcoord(noise2d(place(s.uv)));
     CHECK(h.value == Approx(n));
     CHECK(h.slope.x == Approx(du).margin(1e-10));
     CHECK(h.slope.y == Approx(dv).margin(1e-10));
-    const auto [m, eu, ev] = differentiate([&](auto u, auto v) {
-      return noise2d(lift<decltype(u)>(place).trs(vec2{u, v})).value;
-    }, s.uv.x, s.uv.y);
+    const auto [m, eu, ev] = differentiate(
+        [&](auto u, auto v) {
+          return noise2d(lift<decltype(u)>(place).trs(vec2{u, v})).value;
+        },
+        s.uv.x, s.uv.y);
     const auto g = place.by_texcoord_trs(noise2d(place.trs(s.uv)));
     CHECK(g.value == Approx(m));
     CHECK(g.slope.x == Approx(eu).margin(1e-10));
@@ -46,8 +52,10 @@ TEST_CASE("place2d: turns the slopes of what it placed into slopes by texcoord",
   }
 }
 TEST_CASE("place2d: recorded by the compiler, recorded at run time and taped it is the same", "[nodes][agreement]") {
-  players_agree<Spot>([](const auto& place, const auto& s) {
-    const auto h = place.by_texcoord(noise2d(place(s.uv)));
-    return h.value + 0.2f * h.slope.x * h.slope.y;
-  }, Place2d<float>{{0.3f, 0.2f}, {0.7f, 1.6f}, 25.0f, {0.1f, -0.3f}}, 300, 2e-4);
+  players_agree<Spot>(
+      [](const auto& place, const auto& s) {
+        const auto h = place.by_texcoord(noise2d(place(s.uv)));
+        return h.value + 0.2f * h.slope.x * h.slope.y;
+      },
+      Place2d<float>{{0.3f, 0.2f}, {0.7f, 1.6f}, 25.0f, {0.1f, -0.3f}}, 300, 2e-4);
 }

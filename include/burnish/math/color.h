@@ -1,7 +1,8 @@
 // burnish/math/color.h -- colour: transfer, luminance, hue, XYZ and Lab
 // SPDX-License-Identifier: Apache-2.0
 //
-// A colour is a vec3 of linear RGB with the primaries of Rec. 709 (sRGB) and the white D65, unless its name says otherwise.
+// A colour is a vec3 of linear RGB with the primaries of Rec. 709 (sRGB) and the white D65, unless its name says
+// otherwise.
 #pragma once
 #include <burnish/math/vec.h>
 
@@ -34,8 +35,8 @@ template <class T> struct Hexcone {
   T largest, chroma, sector, offset, middle;
   typename std::remove_cvref_t<decltype(std::declval<T>() > std::declval<T>())> colored;
 };
-/// Ties between channels count as red above green above blue, in value and slope alike: grey has the slopes of the colours
-/// next to it on that side, and not none.
+/// Ties between channels count as red above green above blue, in value and slope alike: grey has the slopes of the
+/// colours next to it on that side, and not none.
 template <class T> constexpr Hexcone<T> hexcone(const vec3<T>& c) {
   const auto red = c.x >= c.y && c.x >= c.z, green = c.y >= c.z;
   const auto blue_least = c.x >= c.z && c.y >= c.z, green_least = c.x >= c.y;
@@ -67,7 +68,8 @@ template <class T> constexpr vec3<T> rgbtohsv(const vec3<T>& c) {
 /// MaterialX's hsvtorgb, but without its cut of saturations below 1e-4; hue wraps. Edges: every sixth of the hue.
 template <class T> constexpr vec3<T> hsvtorgb(const vec3<T>& hsv) {
   const T h = 6.0f * hsv.x, d = hsv.y * hsv.z;
-  return {hsv.z - d * detail::hue_ramp(h, 5.0f), hsv.z - d * detail::hue_ramp(h, 3.0f), hsv.z - d * detail::hue_ramp(h, 1.0f)};
+  return {hsv.z - d * detail::hue_ramp(h, 5.0f), hsv.z - d * detail::hue_ramp(h, 3.0f),
+          hsv.z - d * detail::hue_ramp(h, 1.0f)};
 }
 /// A colour >= 0 with its hue turned by amount.x (1 is once round), saturation times amount.y, value times amount.z:
 /// MaterialX's hsvadjust. It is the way there and back in one, because both ways have no slopes at grey while their
@@ -77,8 +79,8 @@ template <class T> constexpr vec3<T> hsvadjust(const vec3<T>& c, const vec3<T>& 
   const auto x = detail::hexcone(c);
   const T turned = x.sector + 6.0f * amount.x, chroma = x.chroma * amount.y * amount.z;
   const T offset = x.offset * amount.y * amount.z, top = x.largest * amount.z;
-  // k is where the channel's ramp stands, in sixths of a turn. It decides only, so a hair (4e-6) keeps it off the ends that
-  // ties would put it on; k times chroma, which gives the value, has no quotient.
+  // k is where the channel's ramp stands, in sixths of a turn. It decides only, so a hair (4e-6) keeps it off the ends
+  // that ties would put it on; k times chroma, which gives the value, has no quotient.
   const T part = select(x.colored, x.offset / select(x.colored, x.chroma, T(1.0f)), x.middle);
   const T inside = x.sector + part + (x.middle - part) * 8e-6f + 6.0f * amount.x;
   const auto channel = [&](float n) {
@@ -91,18 +93,21 @@ template <class T> constexpr vec3<T> hsvadjust(const vec3<T>& c, const vec3<T>& 
 
 /// CIE 1931 XYZ; white is (0.9505, 1, 1.0890).
 template <class T> constexpr vec3<T> xyz_from_rgb(const vec3<T>& c) {
-  return {0.4124564f * c.x + 0.3575761f * c.y + 0.1804375f * c.z, 0.2126729f * c.x + 0.7151522f * c.y + 0.0721750f * c.z,
+  return {0.4124564f * c.x + 0.3575761f * c.y + 0.1804375f * c.z,
+          0.2126729f * c.x + 0.7151522f * c.y + 0.0721750f * c.z,
           0.0193339f * c.x + 0.1191920f * c.y + 0.9503041f * c.z};
 }
 template <class T> constexpr vec3<T> rgb_from_xyz(const vec3<T>& c) {
-  return {3.2404542f * c.x - 1.5371385f * c.y - 0.4985314f * c.z, -0.9692660f * c.x + 1.8760108f * c.y + 0.0415560f * c.z,
+  return {3.2404542f * c.x - 1.5371385f * c.y - 0.4985314f * c.z,
+          -0.9692660f * c.x + 1.8760108f * c.y + 0.0415560f * c.z,
           0.0556434f * c.x - 0.2040259f * c.y + 1.0572252f * c.z};
 }
 namespace detail {
 inline constexpr float white_x = 0.95047f, white_z = 1.08883f, lab_edge = 6.0f / 29.0f;
 template <class T> constexpr T lab_root(const T& t) {
   constexpr float cubed = lab_edge * lab_edge * lab_edge;
-  return select(t > T(cubed), pow(max(t, T(cubed)), T(1.0f / 3.0f)), t * (1.0f / (3 * lab_edge * lab_edge)) + 4.0f / 29.0f);
+  return select(t > T(cubed), pow(max(t, T(cubed)), T(1.0f / 3.0f)),
+                t * (1.0f / (3 * lab_edge * lab_edge)) + 4.0f / 29.0f);
 }
 template <class T> constexpr T lab_cube(const T& f) {
   return select(f > T(lab_edge), f * f * f, (f - 4.0f / 29.0f) * (3 * lab_edge * lab_edge));

@@ -2,10 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Perlin's gradient noise (1985) with the quintic fade of 2002, on the lattice of MaterialX's noise2d and noise3d: the
-// same hash of the lattice point (the final mix of Jenkins' lookup3, 2006), the same gradients chosen by its low bits, the
-// same scale. A value so differs from MaterialX's by rounding only. Value and slopes come out together, so that a height
-// gives a normal without differences; the adjoint knows the second derivatives. The lattice has no parameters: positions,
-// lacunarity, diminish and octaves have slopes, seeds there are none.
+// same hash of the lattice point (the final mix of Jenkins' lookup3, 2006), the same gradients chosen by its low bits,
+// the same scale. A value so differs from MaterialX's by rounding only. Value and slopes come out together, so that a
+// height gives a normal without differences; the adjoint knows the second derivatives. The lattice has no parameters:
+// positions, lacunarity, diminish and octaves have slopes, seeds there are none.
 //
 // Positions beyond 2^31 have no lattice point (in float, positions beyond 1e5 have few points between two of them).
 #pragma once
@@ -248,19 +248,17 @@ template <class T> constexpr Height3<T> noise3d(const vec3<T>& p) {
   const auto y = apply<op::Noise3d>(p.x, p.y, p.z);
   return {y[0], {y[1], y[2], y[3]}};
 }
-/// MaterialX's fractal2d for a whole number of octaves; between two, the last octave is faded in proportion. An edge lies
-/// at every whole number of octaves: there the slope by octaves is that from below, so that a fit that starts on one
-/// can leave it. Up to 16 octaves; below 0 none.
-template <class T>
-constexpr Height<T> fractal2d(const vec2<T>& p, const same<T>& octaves, const same<T>& lacunarity,
-                              const same<T>& diminish) {
+/// MaterialX's fractal2d for a whole number of octaves; between two, the last octave is faded in proportion. An edge
+/// lies at every whole number of octaves: there the slope by octaves is that from below, so that a fit that starts on
+/// one can leave it. Up to 16 octaves; below 0 none.
+template <class T> constexpr Height<T> fractal2d(const vec2<T>& p, const same<T>& octaves, const same<T>& lacunarity,
+                                                 const same<T>& diminish) {
   const auto y = apply<op::Fractal2d>(p.x, p.y, octaves, lacunarity, diminish);
   return {y[0], {y[1], y[2]}};
 }
 /// The same in space.
-template <class T>
-constexpr Height3<T> fractal3d(const vec3<T>& p, const same<T>& octaves, const same<T>& lacunarity,
-                               const same<T>& diminish) {
+template <class T> constexpr Height3<T> fractal3d(const vec3<T>& p, const same<T>& octaves, const same<T>& lacunarity,
+                                                  const same<T>& diminish) {
   const auto y = apply<op::Fractal3d>(p.x, p.y, p.z, octaves, lacunarity, diminish);
   return {y[0], {y[1], y[2], y[3]}};
 }

@@ -17,11 +17,12 @@ constexpr float sh_norm(int l, int m) {
 /// How many harmonics the bands 0..order have.
 constexpr int sh_count(int order) { return (order + 1) * (order + 1); }
 
-/// The real harmonics of bands 0..Order at a unit direction, in the order l (l + 1) + m; orthonormal over the sphere, in
-/// 1 / sqrt(sr). Signs without the Condon-Shortley phase, poles on z: band 1 is 0.4886 (y, z, x). They are polynomials in
-/// the direction, given here for any vector without being normalised; the slopes are those of the polynomials
-/// (Green 2003; the recurrences over l and m of the associated Legendre functions).
-template <int Order, class T> constexpr std::array<T, std::size_t(sh_count(Order))> spherical_harmonics(const vec3<T>& d) {
+/// The real harmonics of bands 0..Order at a unit direction, in the order l (l + 1) + m; orthonormal over the sphere,
+/// in 1 / sqrt(sr). Signs without the Condon-Shortley phase, poles on z: band 1 is 0.4886 (y, z, x). They are
+/// polynomials in the direction, given here for any vector without being normalised; the slopes are those of the
+/// polynomials (Green 2003; the recurrences over l and m of the associated Legendre functions).
+template <int Order, class T>
+constexpr std::array<T, std::size_t(sh_count(Order))> spherical_harmonics(const vec3<T>& d) {
   static_assert(Order >= 0 && Order <= 8, "burnish: spherical_harmonics knows the bands 0 to 8");
   std::array<T, std::size_t(sh_count(Order))> y{};
   T c = T(1.0f), s = T(0.0f);  // sin^m(theta) cos(m phi), sin^m(theta) sin(m phi)

@@ -8,15 +8,15 @@
 
 namespace burnish {
 
-#define BURNISH_BLEND(Name, ...)                                                                                  \
-  template <class T> struct Name {                                                                                \
-    T mix = 1.0f;                                                                                                 \
-    static constexpr auto parameters() { return std::tuple{Param{"mix", &Name::mix, unit}}; }                     \
-    constexpr T operator()(const T& fg, const T& bg) const { return burnish::mix(bg, blended(fg, bg), mix); }     \
-    constexpr vec3<T> operator()(const vec3<T>& fg, const vec3<T>& bg) const {                                    \
-      return {(*this)(fg.x, bg.x), (*this)(fg.y, bg.y), (*this)(fg.z, bg.z)};                                     \
-    }                                                                                                             \
-    static constexpr T blended(const T& fg, const T& bg) { __VA_ARGS__ }                                          \
+#define BURNISH_BLEND(Name, ...)                                                                              \
+  template <class T> struct Name {                                                                            \
+    T mix = 1.0f;                                                                                             \
+    static constexpr auto parameters() { return std::tuple{Param{"mix", &Name::mix, unit}}; }                 \
+    constexpr T operator()(const T& fg, const T& bg) const { return burnish::mix(bg, blended(fg, bg), mix); } \
+    constexpr vec3<T> operator()(const vec3<T>& fg, const vec3<T>& bg) const {                                \
+      return {(*this)(fg.x, bg.x), (*this)(fg.y, bg.y), (*this)(fg.z, bg.z)};                                 \
+    }                                                                                                         \
+    static constexpr T blended(const T& fg, const T& bg) { __VA_ARGS__ }                                      \
   };
 
 /// fg.

@@ -1,9 +1,9 @@
 // burnish/nodes/image.h -- texture images: bilinear lookup, its slopes by uv, its adjoint into the texels
 // SPDX-License-Identifier: Apache-2.0
 //
-// Row 0 lies at v = 0 and the centre of texel (i, j) at ((i + 0.5) / width, (j + 0.5) / height): v runs along the rows as
-// they are stored. Whoever reads a file whose first row is its top, for uv with v upwards, stores its rows from the last.
-// Edges: the lines through the texel centres, where the slopes jump.
+// Row 0 lies at v = 0 and the centre of texel (i, j) at ((i + 0.5) / width, (j + 0.5) / height): v runs along the rows
+// as they are stored. Whoever reads a file whose first row is its top, for uv with v upwards, stores its rows from the
+// last. Edges: the lines through the texel centres, where the slopes jump.
 #pragma once
 #include <burnish/math/noise.h>
 
@@ -33,9 +33,7 @@ template <class T> using Texture = Resource<T, TextureData>;
 namespace detail {
 
 /// The two texels along one axis: where, how much of each, and the slopes of that by the coordinate.
-template <class T> struct Taps {
-  T at[2], weight[2], slope[2];
-};
+template <class T> struct Taps { T at[2], weight[2], slope[2]; };
 template <class T> Taps<T> taps(T u, int n, AddressMode mode) {
   const float last = float(n - 1);
   T x = u, rate = T(float(n));
@@ -128,12 +126,15 @@ template <int Channels> struct ImageRead {
       d_x[0] += d_y[c] * out[1];
       d_x[1] += d_y[c] * out[2];
       if (scatter)
-        for (int k = 0; k < 4; ++k) detail::add_to_texels<T>(*scatter, at.texel[k], plane(image, c), d_y[c] * at.value(k));
+        for (int k = 0; k < 4; ++k)
+          detail::add_to_texels<T>(*scatter, at.texel[k], plane(image, c), d_y[c] * at.value(k));
     }
   }
 
 private:
-  static int plane(const TextureData& image, int c) { return (c < image.channels ? c : 0) * image.width * image.height; }
+  static int plane(const TextureData& image, int c) {
+    return (c < image.channels ? c : 0) * image.width * image.height;
+  }
 };
 
 /// (u, v) -> (value, slope by u, slope by v) of the image's first channel.
@@ -160,7 +161,8 @@ struct ImageHeight {
     d_x[1] = d_y[0] * out[2] + d_y[1] * out[3];
     if (scatter)
       for (int k = 0; k < 4; ++k)
-        detail::add_to_texels<T>(*scatter, at.texel[k], 0, d_y[0] * at.value(k) + d_y[1] * at.by_u(k) + d_y[2] * at.by_v(k));
+        detail::add_to_texels<T>(*scatter, at.texel[k], 0,
+                                 d_y[0] * at.value(k) + d_y[1] * at.by_u(k) + d_y[2] * at.by_v(k));
   }
 };
 

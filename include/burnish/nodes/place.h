@@ -13,7 +13,8 @@ template <class T> struct Place2d {
   vec2<T> offset = {0.0f, 0.0f};
   static constexpr auto parameters() {
     return std::tuple{Param{"pivot", &Place2d::pivot, unit}, Param{"scale", &Place2d::scale, Range{0.05f, 20}},
-                      Param{"rotate", &Place2d::rotate, Range{-180, 180}}, Param{"offset", &Place2d::offset, Range{-1, 1}}};
+                      Param{"rotate", &Place2d::rotate, Range{-180, 180}},
+                      Param{"offset", &Place2d::offset, Range{-1, 1}}};
   }
   /// operationorder 0 (SRT), the default: scale, rotate, then offset. Unequal scales shear a turned pattern.
   constexpr vec2<T> operator()(const vec2<T>& texcoord) const {

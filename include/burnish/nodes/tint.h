@@ -1,8 +1,8 @@
 // burnish/nodes/tint.h -- colour adjustments: hue, contrast, saturation, ranges, a whole colour correction
 // SPDX-License-Identifier: Apache-2.0
 //
-// MaterialX's adjustment nodes by name and default. Colours are linear RGB; saturation weighs channels by lumacoeffs, by
-// default those of ACEScg as in MaterialX.
+// MaterialX's adjustment nodes by name and default. Colours are linear RGB; saturation weighs channels by lumacoeffs,
+// by default those of ACEScg as in MaterialX.
 #pragma once
 #include <burnish/math/color.h>
 
@@ -38,7 +38,8 @@ template <class T> struct Saturate {
   T amount = 1.0f;
   vec3<T> lumacoeffs = {0.2722287f, 0.6740818f, 0.0536895f};
   static constexpr auto parameters() {
-    return std::tuple{Param{"amount", &Saturate::amount, Range{0, 2}}, Param{"lumacoeffs", &Saturate::lumacoeffs, unit}};
+    return std::tuple{Param{"amount", &Saturate::amount, Range{0, 2}},
+                      Param{"lumacoeffs", &Saturate::lumacoeffs, unit}};
   }
   constexpr vec3<T> operator()(const vec3<T>& in) const { return mix(vec3<T>(dot(in, lumacoeffs)), in, amount); }
 };
@@ -55,14 +56,15 @@ template <class T> struct Remap {
 };
 
 /// MaterialX's `range`: Remap with the power 1 / gamma between, of the magnitude. Within 1e-6 of inlow (a part of the
-/// range) the power is a straight line, so that its slope is finite and, for gamma = 1, 1. Edges: inlow, and for clamped()
-/// outlow and outhigh, where the slope is that outside.
+/// range) the power is a straight line, so that its slope is finite and, for gamma = 1, 1. Edges: inlow, and for
+/// clamped() outlow and outhigh, where the slope is that outside.
 template <class T> struct RangeNode {
   T inlow = 0.0f, inhigh = 1.0f, gamma = 1.0f, outlow = 0.0f, outhigh = 1.0f;
   static constexpr auto parameters() {
-    return std::tuple{Param{"inlow", &RangeNode::inlow, Range{-1, 0.4f}}, Param{"inhigh", &RangeNode::inhigh, Range{0.6f, 2}},
-                      Param{"gamma", &RangeNode::gamma, Range{0.2f, 3}}, Param{"outlow", &RangeNode::outlow, Range{-1, 1}},
-                      Param{"outhigh", &RangeNode::outhigh, Range{-1, 2}}};
+    return std::tuple{
+        Param{"inlow", &RangeNode::inlow, Range{-1, 0.4f}}, Param{"inhigh", &RangeNode::inhigh, Range{0.6f, 2}},
+        Param{"gamma", &RangeNode::gamma, Range{0.2f, 3}}, Param{"outlow", &RangeNode::outlow, Range{-1, 1}},
+        Param{"outhigh", &RangeNode::outhigh, Range{-1, 2}}};
   }
   /// doclamp = false.
   constexpr T operator()(const T& in) const {
@@ -75,10 +77,11 @@ template <class T> struct RangeNode {
   constexpr vec3<T> clamped(const vec3<T>& in) const { return {clamped(in.x), clamped(in.y), clamped(in.z)}; }
 };
 
-/// In this order: hue turned, saturation, gamma, lift, gain, contrast about contrastpivot, times 2^exposure; of a colour
-/// >= 0. Edges: those of HsvAdjust, and a channel at 0 before gamma.
+/// In this order: hue turned, saturation, gamma, lift, gain, contrast about contrastpivot, times 2^exposure; of a
+/// colour >= 0. Edges: those of HsvAdjust, and a channel at 0 before gamma.
 template <class T> struct ColorCorrect {
-  T hue = 0.0f, saturation = 1.0f, gamma = 1.0f, lift = 0.0f, gain = 1.0f, contrast = 1.0f, contrastpivot = 0.5f, exposure = 0.0f;
+  T hue = 0.0f, saturation = 1.0f, gamma = 1.0f, lift = 0.0f, gain = 1.0f, contrast = 1.0f, contrastpivot = 0.5f,
+    exposure = 0.0f;
   static constexpr auto parameters() {
     return std::tuple{Param{"hue", &ColorCorrect::hue, Range{-0.5f, 1}},
                       Param{"saturation", &ColorCorrect::saturation, Range{0, 2}},
