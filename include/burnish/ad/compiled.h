@@ -255,8 +255,17 @@ private:
   template <int... C> [[gnu::always_inline]] static inline void store_outputs(const State& s, float* const* image, std::integer_sequence<int, C...>) {
     (get<R.outputs[C]>(s).store(image[C] + s.pixel), ...);
   }
+  /// A node may be several outputs; what is the same for all pixels was set to zero before.
+  template <int C> [[gnu::always_inline]] static inline void load_output(const State& s, const float* from) {
+    constexpr bool first = R.nodes[R.outputs[C]].varying && [] {
+      for (int b = 0; b < C; ++b)
+        if (R.outputs[b] == R.outputs[C]) return false;
+      return true;
+    }();
+    give<first ? 1 : 2>(s.d[R.outputs[C]], Lanes::load(from));
+  }
   template <int... C> [[gnu::always_inline]] static inline void load_outputs(const State& s, const float* const* d_image, std::integer_sequence<int, C...>) {
-    ((s.d[R.outputs[C]] = Lanes::load(d_image[C] + s.pixel)), ...);
+    (load_output<C>(s, d_image[C] + s.pixel), ...);
   }
   template <int... K> [[gnu::always_inline]] static inline void accumulate(const State& s, Uniform& uniform, std::integer_sequence<int, K...>) {
     ((uniform.d_u[plan.accumulate.node[K]] += s.d[plan.accumulate.node[K]]), ...);
