@@ -112,11 +112,11 @@ struct Log : Operation<1> {
 };
 struct Exp2 : Operation<1> {
   template <class T> static constexpr T value(T a) { return exp2(a); }
-  template <class T> static constexpr Back<T, 1> back(T d, T y, T) { return {d * y * float(0.693147180559945)}; }
+  template <class T> static constexpr Back<T, 1> back(T d, T y, T) { return {d * y * T(0.693147180559945309)}; }
 };
 struct Log2 : Operation<1> {
   template <class T> static constexpr T value(T a) { return log2(a); }
-  template <class T> static constexpr Back<T, 1> back(T d, T, T a) { return {d * float(1.44269504088896) / a}; }
+  template <class T> static constexpr Back<T, 1> back(T d, T, T a) { return {d * T(1.44269504088896341) / a}; }
 };
 /// a >= 0; at a = 0 both slopes are given as 0.
 struct Pow : Operation<2> {
