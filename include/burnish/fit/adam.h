@@ -15,7 +15,7 @@ struct Adam {
   float rate = 0.02f, beta1 = 0.9f, beta2 = 0.999f, epsilon = 1e-8f;
   // What a later step needs: a fit goes on to the same bits from a copy of these.
   int steps = 0;
-  std::vector<float> first, second;
+  std::vector<float> first{}, second{};
 
   /// One step down d, the derivative of the loss by model. A derivative that is no number is refused: Error names it.
   template <class M> void step(M& model, const M& d) {
