@@ -241,7 +241,7 @@ inline bool front_is_ahead(const Mesh& m, std::string& why) {
 }  // namespace detail
 
 /// Brings a vehicle into the normalised frame. A vehicle that stands askew in its file is turned straight. Unit: a
-/// length of 2.4 to 25 is taken as metres; else as centimetres or millimetres where that makes 2.4 to 20 m, or as
+/// length of 2.4 to 25 is taken as metres; else as centimetres or millimetres where that makes 2.4 to 25 m, or as
 /// inches or feet where that makes 3 to 7 m; else the length becomes 4.5 m.
 inline void normalise_vehicle(Mesh& m, MeshReport& report, const VehicleOptions& options = {}) {
   using namespace detail;
@@ -283,7 +283,7 @@ inline void normalise_vehicle(Mesh& m, MeshReport& report, const VehicleOptions&
       float factor, low, high;
       const char* name;
     };
-    for (const Unit& u : {Unit{0.01f, 2.4f, 20, "centimetres"}, Unit{0.001f, 2.4f, 20, "millimetres"},
+    for (const Unit& u : {Unit{0.01f, 2.4f, 25, "centimetres"}, Unit{0.001f, 2.4f, 25, "millimetres"},
                           Unit{0.0254f, 3, 7, "inches"}, Unit{0.3048f, 3, 7, "feet"}}) {
       if (size * u.factor < u.low || size * u.factor > u.high) continue;
       scale = u.factor, found = u.name;
