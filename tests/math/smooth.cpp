@@ -76,6 +76,7 @@ TEST_CASE("bias and gain: keep the ends, meet their middle and have right slopes
     CHECK(bias(0.5, a) == Approx(a));
     CHECK(gain(0.5, a) == Approx(0.5));
     CHECK(gain(0.25, a) == Approx(1 - gain(0.75, a)));
+    CHECK(std::get<1>(differentiate([](auto x, auto y) { return gain(x, y); }, 0.5, a)) == Approx(1 / a - 1));
   }
   CHECK(bias(0.3, 0.5) == Approx(0.3));
   const auto inside = [](const auto& s) {

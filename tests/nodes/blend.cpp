@@ -37,6 +37,8 @@ TEST_CASE("blend nodes: have the compositing formulas' values", "[nodes][value]"
   check(Burn<double>{}, 1 - 0.25 / 0.25);
   check(Dodge<double>{}, 0.75 / 0.75);
   CHECK(Overlay<double>{}(0.75, 0.25) == Approx(2 * 0.75 * 0.25));
+  CHECK(Overlay<double>{}(0.75, 0.45) == Approx(2 * 0.75 * 0.45));
+  CHECK(Overlay<double>{}(0.75, 0.55) == Approx(1 - 2 * 0.25 * 0.45));
   CHECK(Overlay<double>{}(0.3, 0.5) == Approx(0.3));
   CHECK(Difference<double>{}(0.75, 0.25) == Approx(0.5));
   CHECK(Burn<double>{}(0, 0.5) == 0);

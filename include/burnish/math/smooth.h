@@ -46,8 +46,8 @@ template <Number T> constexpr T soft_threshold(const T& x, const same<T>& edge, 
 template <Number T> constexpr T bias(const T& x, const same<T>& amount) {
   return x / ((1.0f / amount - 2.0f) * (1.0f - x) + 1.0f);
 }
-/// x in [0, 1] bent like an S about its middle, flatter there for amount < 0.5; 0.5 bends nothing (Schlick 1994). Edge:
-/// at x = 0.5 the second derivative jumps.
+/// x in [0, 1] bent like an S about its middle, where its slope is 1 / amount - 1: steep for amount < 0.5, flat above
+/// (Schlick 1994). Edge: at x = 0.5 the second derivative jumps.
 template <Number T> constexpr T gain(const T& x, const same<T>& amount) {
   const auto lower = x < T(0.5f);
   const T half = bias<T>(select(lower, 2.0f * x, 2.0f - 2.0f * x), amount) * 0.5f;
