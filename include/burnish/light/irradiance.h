@@ -16,8 +16,8 @@ public:
 
   /// All cores; the same bits for any number of them.
   explicit IrradianceMap(const EnvironmentLight& e) : turn_(e.yaw) {
-    // Texels are averaged to 128 rows first; sixteen of them at a time are one packet.
-    const Image map = e.map.height > 128 ? detail::resampled_panorama(e.map, 128) : e.map;
+    // Always 128 rows: coarser texels are too large for the narrow x(nl)^2 lobe, finer ones a waste. A packet is 16 normals.
+    const Image map = detail::resampled_panorama(e.map, 128);
     const int n = map.width * map.height;
     std::vector<vec3<float>> direction(n);
     std::vector<float> area(map.height);

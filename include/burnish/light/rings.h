@@ -14,8 +14,8 @@ namespace burnish {
 
 class Rings {
 public:
-  /// 183, 321 or 607 directions.
-  enum class Size { small, medium, large };
+  /// 183, 321 or 607 directions; dense, 13,000, is there to measure the others by.
+  enum class Size { small, medium, large, dense };
 
   /// Samples padded to a multiple of 16 with ones of share 0. The local frame: z the normal, x the part of the view in the
   /// plane. ring[i]: 0 for the normal itself, k + 1 for ring k.
@@ -33,9 +33,10 @@ public:
       double first, last;
       Zone zone[3];
     };
-    constexpr Layout layouts[3] = {{1e-3, 7, {{0.01, 2, 6}, {0.1, 1.8, 8}, {1e9, 1.6, 14}}},
+    constexpr Layout layouts[4] = {{1e-3, 7, {{0.01, 2, 6}, {0.1, 1.8, 8}, {1e9, 1.6, 14}}},
                                    {1e-3, 7, {{0.01, 2, 8}, {0.06, 1.6, 12}, {1e9, 1.45, 18}}},
-                                   {5e-4, 8, {{0.01, 1.6, 10}, {0.06, 1.4, 16}, {1e9, 1.3, 24}}}};
+                                   {5e-4, 8, {{0.01, 1.6, 10}, {0.06, 1.4, 16}, {1e9, 1.3, 24}}},
+                                   {1e-3, 40, {{0.1, 1.2, 32}, {0.3, 1.1, 64}, {1e9, 1.05, 128}}}};
     const Layout& l = layouts[int(size)];
     std::vector<int> azimuths;
     for (double x = l.first;;) {

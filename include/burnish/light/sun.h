@@ -39,7 +39,7 @@ constexpr T ggx_d_spot(const vec3<T>& n, const vec3<T>& v, const vec3<T>& l, con
   // S = k X, and all that is needed of X are three invariants, each a sum of positive numbers: trace and determinant (the
   // last by the change of solid angle, dl = 4 vh dh), and m^T adj(X) m.
   const T k = variance * over * over, m2 = dot(m, m), ml = dot(m, l), size2 = dot(sum, sum), root = 0.5f * size2 * over;
-  const T trace = 1.0f + nl * nl + m2 * max(1.0f - nl * nl, 0.0f) + 2.0f * nl * ml, across_m = m2 * nl * nl + ml * ml;
+  const T trace = 1.0f + nl * nl + m2 * (1.0f - nl * nl) + 2.0f * nl * ml, across_m = m2 * nl * nl + ml * ml;
   const T along = k * max(trace - across_m / (m2 + 1e-12f), 0.0f);  // variance of the light in the direction of m
   // beta = 1 + m2 / (a2 + 2 along / beta), the root above 1, written for either sign of p so that nothing cancels.
   const T p = a2 + m2 - 2.0f * along, s = sqrt(p * p + 8.0f * a2 * along);

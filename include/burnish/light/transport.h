@@ -33,6 +33,7 @@ public:
       weight.insert(weight.end(), w.begin(), w.end());
       d_weight.insert(d_weight.end(), dw.begin(), dw.end());
     }
+    if (size != Rings::Size::dense) normalize_by(Transport(roughness, d_alpha2, Rings::Size::dense));
     // The hemisphere: Gauss rings in the cosine, so that a constant sky is exact for every k; even azimuths on each.
     for (int i = 0; i < hemisphere_rings; ++i) {
       const double c = 0.5 * (1 + gauss_node(i)), width = 0.5 * gauss_weight(i), sine = std::sqrt(1 - c * c);
@@ -81,7 +82,8 @@ public:
 
   /// table: knots x channels x {value, slope} x 16. open[i]: bit k is set where direction i of lane k sees the environment
   /// (null: everywhere); the others see `occluded`.
-  void gather(const Pyramid& sky, const Block& b, const std::uint16_t* open, const vec3<float>& occluded, float* table) const {
+  void gather(const Pyramid& sky, const Block& b, const std::uint16_t* open, const vec3<float>& occluded, float* table,
+              bool normalized = true) const {
     std::fill_n(table, std::size_t(knots) * channels * 32, 0.0f);
     const int n = rings.directions();
     for (int first = 0; first < n; first += batch) {
@@ -90,6 +92,7 @@ public:
       for (int j = 0; j < count; ++j) prepare(sky, b, first + j, open, occluded, part[j], nl[j]);
       for (int k = 0; k < knots; ++k) integrate(b, k, first, count, part, nl, table + std::size_t(k) * channels * 32);
     }
+    if (normalized && !albedo_ratio.empty()) normalize(b, table);
   }
   /// irradiance: irradiances x 16, on entry those of the unblocked sky. Each is multiplied by what the hemisphere's directions
   /// find of it with and without the blocking: exact where nothing is blocked, and where everything is.
@@ -125,6 +128,7 @@ private:
   Rings rings;
   int knots;
   std::vector<float> alpha2, slope, weight, d_weight;
+  std::vector<float> albedo_ratio;  // [knot][weight][value, slope][cosine]
   std::vector<Sample> hemisphere;
 
   static constexpr int hemisphere_rings = 8;
@@ -151,6 +155,56 @@ private:
       }
     }
     return {P::load(r), P::load(g), P::load(c)};
+  }
+  /// Under an even sky the rings' sums depend on nv alone: for 64 of it and every knot, what they are short of (or above) the
+  /// same sums on dense rings, as a factor for each of the four weights, with its slope. Exact then, and closer otherwise.
+  void normalize_by(const Transport& dense) {
+    const Pyramid even(EnvironmentLight(Image(32, 16, vec3<float>(1))));
+    albedo_ratio.resize(std::size_t(knots) * 8 * cosines);
+    const std::size_t size = std::size_t(knots) * channels * 32;
+    std::vector<std::vector<float>> own(cosines / 16, std::vector<float>(size)), truth = own;
+    parallel_for(cosines / 16 * 2, [&](int i) {
+      vec3<P> n(P(0.0f), P(0.0f), P(1.0f)), v = n;
+      for (int k = 0; k < 16; ++k) {
+        const float c = cosine_of(i / 2 * 16 + k);
+        v.x.v[k] = std::sqrt(std::max(0.0f, 1 - c * c)), v.z.v[k] = c;
+      }
+      if (i % 2) gather(even, Block(n, v), nullptr, {}, own[i / 2].data(), false);
+      else dense.gather(even, Block(n, v), nullptr, {}, truth[i / 2].data());
+    });
+    for (int k = 0; k < knots; ++k) {
+      for (int q = 0; q < 4; ++q) {
+        for (int i = 0; i < cosines; ++i) {
+          const std::size_t at = (std::size_t(k) * channels + 3 * q) * 32 + i % 16;
+          const float a = own[i / 16][at], da = own[i / 16][at + 16], b = truth[i / 16][at], db = truth[i / 16][at + 16];
+          float* to = &albedo_ratio[(std::size_t(k) * 4 + q) * 2 * cosines + i];
+          const bool sure = a > 1e-6f && b < 2 * a && a < 2 * b;  // else there is nothing to compare
+          to[0] = sure ? b / a : 1;
+          to[cosines] = sure ? (db - b / a * da) / a : 0;
+        }
+      }
+    }
+  }
+  static constexpr int cosines = 64;
+  static float cosine_of(int i) { return std::max(float(i * i) / ((cosines - 1) * (cosines - 1)), 1e-4f); }
+  void normalize(const Block& b, float* table) const {
+    const P x = sqrt(b.nv) * float(cosines - 1);
+    const P::I at = to_int(min(x, float(cosines - 2)));
+    const P u = x - to_real<P>(at);
+    for (int k = 0; k < knots * 4; ++k) {
+      const auto read = [&](int what) {
+        const float* from = albedo_ratio.data() + std::size_t(2 * k + what) * cosines;
+        const P low = burnish::gather<P>(from, at);
+        return low + (burnish::gather<P>(from + 1, at) - low) * u;
+      };
+      const P ratio = read(0), d_ratio = read(1);
+      for (int c = 0; c < 3; ++c) {
+        float* y = table + (std::size_t(k) * 3 + c) * 32;
+        const P value = P::load(y), slope_of = P::load(y + 16);
+        (value * ratio).store(y);
+        (slope_of * ratio + value * d_ratio).store(y + 16);
+      }
+    }
   }
   /// Sample i: radiance times all that does not depend on the roughness; zero where the sample is below the horizon.
   void prepare(const Pyramid& sky, const Block& b, int i, const std::uint16_t* open, const vec3<float>& occluded, P* part,
