@@ -13,7 +13,10 @@ template <class Random, class... P> void move(Random& random, P&... p) {
   (burnish::randomize(p, random), ...);
   (burnish::each(
        [](auto& x) {
-         if constexpr (burnish::Plain<std::remove_reference_t<decltype(x)>>) x = float(x);
+         if constexpr (burnish::Plain<std::remove_reference_t<decltype(x)>>) {
+           const volatile float rounded = float(x);  // g++ 12 at -O2 leaves out a mere x = float(x) on neighbours
+           x = rounded;
+         }
        },
        p),
    ...);
