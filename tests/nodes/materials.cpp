@@ -52,7 +52,8 @@ TEST_CASE("Materials: every number has a name and a range, and its default lies 
   CHECK(names<Rubber<float>>().size() == 5);
   const auto inside_range = [](auto m) {
     int outside = 0;
-    for_each_parameter(m, [&](const std::string&, auto& x, Range range) { outside += x < range.low || x > range.high; });
+    for_each_parameter(m,
+                       [&](const std::string&, auto& x, Range range) { outside += x < range.low || x > range.high; });
     return outside == 0;
   };
   CHECK(inside_range(CarPaint<float>()));
@@ -98,9 +99,10 @@ TEST_CASE("Car paint: flakes have the slopes they are asked for, in whatever siz
     }
 }
 
-TEST_CASE("Car paint: unresolved flakes reflect as the mean of resolved ones, as far as a GGX lobe can", "[nodes][agreement]") {
-  // Half of the integral of |lobe - mean lobe|: the light that goes elsewhere. A GGX lobe blurred by a Gaussian of slopes is
-  // none, so 7 % of it does at best; without the widening it were 16 %.
+TEST_CASE("Car paint: unresolved flakes reflect as the mean of resolved ones, as far as a GGX lobe can",
+          "[nodes][agreement]") {
+  // Half of the integral of |lobe - mean lobe|: the light that goes elsewhere. A GGX lobe blurred by a Gaussian of
+  // slopes is none, so 7 % of it does at best; without the widening it were 16 %.
   Random random(3);
   const double amount = 0.1, base = 0.4;
   const Flakes<double> near{0.001, amount, 1}, far{0.001, amount, 0};
@@ -121,6 +123,8 @@ TEST_CASE("Car paint: unresolved flakes reflect as the mean of resolved ones, as
   CHECK(all == Approx(1).epsilon(0.03));
   CHECK(astray < 0.085);
   CHECK(unwidened > 0.14);
+  // Over a mirror the peak is the Gaussian's: 1 / (2 pi variance).
+  CHECK(ggx_d(far.roughness(0.0), n, n) == Approx(1 / (6.2831853 * amount * amount)).epsilon(1e-3));
   const auto at = place(random);
   CHECK(far.normal(at.position, at.normal, at.tangent).z == 1);
 }
@@ -138,13 +142,15 @@ TEST_CASE("Car paint: the mottle only darkens, and tints never pass white", "[no
 }
 
 TEST_CASE("Materials: all numbers agree and the slopes are right", "[nodes][gradient]") {
-  // Off the edges: the hue's sixths, white, a widened roughness of 1, the horizon. Sizes are given as multiples, a few cells
-  // of noise from the origin, where the differences' steps stay within a cell; the noise's third derivative jumps between two.
+  // Off the edges: the hue's sixths, white, a widened roughness of 1, the horizon. Sizes are given as multiples, a few
+  // cells of noise from the origin, where the differences' steps stay within a cell; the noise's third derivative jumps
+  // between two.
   const auto paint = [](Random& r) {
     auto p = inside<CarPaint<double>>(r);
     p.base_color = {between(r, 0.5, 0.6), between(r, 0.3, 0.4), between(r, 0.1, 0.2)};
     p.tint.amount = {between(r, -0.01, 0.01), between(r, 0.8, 1.1), between(r, 0.5, 1.2)};
-    p.specular_roughness = between(r, 0.3, 0.6), p.coat_roughness = between(r, 0.2, 0.5), p.coat_ior = between(r, 1.4, 2);
+    p.specular_roughness = between(r, 0.3, 0.6), p.coat_roughness = between(r, 0.2, 0.5),
+    p.coat_ior = between(r, 1.4, 2);
     p.flakes.amount = between(r, 0.02, 0.3);
     return p;
   };
@@ -159,15 +165,22 @@ TEST_CASE("Materials: all numbers agree and the slopes are right", "[nodes][grad
     return at;
   };
   const auto size = [](Random& r) { return between(r, 0.5, 1.5); };
-  holds([=](const auto& p, const auto& a, const auto& b) {
-          Surfel<float> at;
-          at.position = {0.0061f, 0.0013f, -0.0052f}, at.normal = {0, 0.6f, 0.8f}, at.tangent = {1, 0, 0};
-          const vec3<float> v(0.6f, 0.48f, 0.64f), l(0.1f, 0.2f, 0.97f);
-          return mixed(sized(p, a, b)(at)) + lit(sized(p, a, b), at, v, l);
-        },
-        [&](Random& r) { return std::tuple{paint(r), size(r), size(r)}; }, 1e-4, 1.0, 1e-3);
+  holds(
+      [=](const auto& p, const auto& a, const auto& b) {
+        Surfel<float> at;
+        at.position = {0.0061f, 0.0013f, -0.0052f}, at.normal = {0, 0.6f, 0.8f}, at.tangent = {1, 0, 0};
+        const vec3<float> v(0.6f, 0.48f, 0.64f), l(0.1f, 0.2f, 0.97f);
+        return mixed(sized(p, a, b)(at)) + lit(sized(p, a, b), at, v, l);
+      },
+      [&](Random& r) {
+        return std::tuple{paint(r), size(r), size(r)};
+      },
+      1e-4, 1.0, 1e-3);
   holds([=](const auto& p, const auto& at) { return mixed(sized(p, 1.0f, 1.0f)(at)); },
-        [&](Random& r) { return std::tuple{paint(r), near(r)}; }, 1e-4, 1.0, 1e-3);
+        [&](Random& r) {
+          return std::tuple{paint(r), near(r)};
+        },
+        1e-4, 1.0, 1e-3);
   const auto look = [](const auto& p) {
     Surfel<float> at;
     at.normal = {0, 0, 1}, at.tangent = {1, 0, 0};

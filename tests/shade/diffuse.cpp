@@ -10,9 +10,8 @@ using quadrature::viewer;
 namespace {
 double eon_albedo(double albedo, double r, double nv) {
   const vec3<double> v = viewer(nv);
-  return over_hemisphere(200, [&](const vec3<double>& l) {
-    return oren_nayar(vec3<double>(albedo), r, l.z, nv, dot(v, l)).x * l.z;
-  });
+  return over_hemisphere(
+      200, [&](const vec3<double>& l) { return oren_nayar(vec3<double>(albedo), r, l.z, nv, dot(v, l)).x * l.z; });
 }
 }  // namespace
 
@@ -61,8 +60,8 @@ TEST_CASE("Burley: the numbers of its paper's formula, and how far it oversteps"
   for (double nv = 0.01; nv <= 1; nv += 0.03) {
     const vec3<double> v = viewer(nv);
     most = std::max(most, over_hemisphere(100, [&](const vec3<double>& l) {
-      return burley(vec3<double>(1.0), 1.0, l.z, nv, dot(v, normalize(v + l))).x * l.z;
-    }));
+                      return burley(vec3<double>(1.0), 1.0, l.z, nv, dot(v, normalize(v + l))).x * l.z;
+                    }));
   }
   CHECK(most == Approx(1.54).epsilon(0.02));
 }
@@ -73,15 +72,20 @@ TEST_CASE("Diffuse: all numbers agree and the slopes are right", "[shade][gradie
     for (;;) {
       const double nl = between(r, 0.05, 1), nv = between(r, 0.05, 1), vl = between(r, -0.9, 0.9);
       if (std::abs(vl - nl * nv) > 0.03 && std::abs(nl - nv) > 0.03)
-        return std::tuple{vec3<double>(between(r, 0, 1), between(r, 0, 1), between(r, 0, 1)), between(r, 0.02, 1), nl, nv, vl};
+        return std::tuple{vec3<double>(between(r, 0, 1), between(r, 0, 1), between(r, 0, 1)), between(r, 0.02, 1), nl,
+                          nv, vl};
     }
   };
-  holds([](const auto& a, auto r, auto nl, auto nv, auto vl) {
-    const auto f = oren_nayar(a, r, nl, nv, vl);
-    return f.x + 2.0f * f.y + 3.0f * f.z;
-  }, draw, 1e-5, 0.1);  // the light that crosses a rough surface at grazing incidence is a difference near 0
-  holds([](const auto& a, auto r, auto nl, auto nv, auto vh) {
-    const auto f = burley(a, r, nl, nv, vh) + lambert(a);
-    return f.x + 2.0f * f.y + 3.0f * f.z;
-  }, draw);
+  holds(
+      [](const auto& a, auto r, auto nl, auto nv, auto vl) {
+        const auto f = oren_nayar(a, r, nl, nv, vl);
+        return f.x + 2.0f * f.y + 3.0f * f.z;
+      },
+      draw, 1e-5, 0.1);  // the light that crosses a rough surface at grazing incidence is a difference near 0
+  holds(
+      [](const auto& a, auto r, auto nl, auto nv, auto vh) {
+        const auto f = burley(a, r, nl, nv, vh) + lambert(a);
+        return f.x + 2.0f * f.y + 3.0f * f.z;
+      },
+      draw);
 }

@@ -9,7 +9,9 @@ namespace everywhere {
 using namespace burnish;
 using Random = std::mt19937;
 
-inline double between(Random& r, double low, double high) { return std::uniform_real_distribution<double>(low, high)(r); }
+inline double between(Random& r, double low, double high) {
+  return std::uniform_real_distribution<double>(low, high)(r);
+}
 /// Uniform over the part of the unit sphere with z >= low.
 inline vec3<double> upward(Random& r, double low) {
   const double z = between(r, low, 1), phi = between(r, -3.14, 3.14), s = std::sqrt(1 - z * z);
@@ -22,9 +24,9 @@ template <class P> P inside(Random& r) {
   return p;
 }
 
-/// f(numbers and structs of numbers) -> number, at 1,000 points that draw(random) gives as a tuple of them in double: float, both
-/// packets and Var give one value (float within `rounding` of the value or of `scale`), and the gradient agrees with
-/// differences to 1e-7 of itself. draw keeps off the edges of f; `step`: the first of the differences.
+/// f(numbers and structs of numbers) -> number, at 1,000 points that draw(random) gives as a tuple of them in double:
+/// float, both packets and Var give one value (float within `rounding` of the value or of `scale`), and the gradient
+/// agrees with differences to 1e-7 of itself. draw keeps off the edges of f; `step`: the first of the differences.
 template <class F, class Draw>
 void holds(F f, Draw draw, double rounding = 1e-5, double scale = 1e-3, double step = 1e-2) {
   Random random(7);
@@ -42,7 +44,8 @@ void holds(F f, Draw draw, double rounding = 1e-5, double scale = 1e-3, double s
           worst_double = std::max(worst_double, off(std::get<0>(differentiate(f, a...))));
           const GradientCheck c = check_gradient(f, 1e-7, step, a...);
           if (std::max(worst_float, worst_packet) >= rounding && rounded.empty())
-            rounded = "float " + std::to_string(double(f(lift<float>(a)...))) + " for " + std::to_string(y) + " at " + c.point;
+            rounded = "float " + std::to_string(double(f(lift<float>(a)...))) + " for " + std::to_string(y) + " at " +
+                      c.point;
           wrong += c.verdict == Verdict::wrong;
           undecided += c.verdict == Verdict::undecided;
           if (c.verdict != Verdict::right && text.empty()) text = c.text();

@@ -40,6 +40,10 @@ TEST_CASE("Fresnel: from the denser side there is total reflection, and the rest
   const double eta = 1.5;
   CHECK(fresnel_dielectric(0.5, 1 / eta) == 1);  // sin = .866 > 1/1.5
   CHECK(fresnel_dielectric(0.0, 1 / eta) == 1);
+  for (const double c : {0.0, 0.5}) {
+    const auto [y, d_c, d_eta] = differentiate([](auto a, auto b) { return fresnel_dielectric(a, b); }, c, 1 / eta);
+    CHECK((y == 1 && d_c == 0 && d_eta == 0));
+  }
   for (const double c : {0.3, 0.6, 0.95}) {
     const double inside = std::sqrt(1 - (1 - c * c) / (eta * eta));
     CHECK(fresnel_dielectric(inside, 1 / eta) == Approx(fresnel_dielectric(c, eta)).epsilon(1e-10));
@@ -80,15 +84,26 @@ TEST_CASE("Fresnel: the mean over the hemisphere is that of quadrature, seen fro
 TEST_CASE("Fresnel: all numbers agree and the slopes are right", "[shade][gradient]") {
   // Off the edges: total reflection, the end of f90_from_f0 at .02, f82 reaching 0, q = 0 of the conductor with k = 0.
   holds([](auto c, auto f0) { return fresnel_schlick(c, f0) + f0_from_ior(1.0f + f0); },
-        [](Random& r) { return std::tuple{between(r, 0.02, 0.98), between(r, 0.05, 0.95)}; });
+        [](Random& r) {
+          return std::tuple{between(r, 0.02, 0.98), between(r, 0.05, 0.95)};
+        });
   holds([](auto f0) { return f90_from_f0(f0); }, [](Random& r) { return std::tuple{between(r, 0.002, 0.018)}; });
   holds([](auto c, auto eta) { return fresnel_dielectric(c, eta); },
-        [](Random& r) { return std::tuple{between(r, 0.1, 0.98), between(r, 1.1, 3)}; });
+        [](Random& r) {
+          return std::tuple{between(r, 0.1, 0.98), between(r, 1.1, 3)};
+        });
   holds([](auto c, auto eta) { return fresnel_dielectric(c, eta); },
-        [](Random& r) { return std::tuple{between(r, 0.9, 0.98), between(r, 0.6, 0.9)}; }, 1e-4);
+        [](Random& r) {
+          return std::tuple{between(r, 0.9, 0.98), between(r, 0.6, 0.9)};
+        },
+        1e-4);
   holds([](auto c, auto eta, auto k) { return fresnel_conductor(c, eta, k); },
-        [](Random& r) { return std::tuple{between(r, 0.05, 0.98), between(r, 0.1, 3), between(r, 0.2, 6)}; });
+        [](Random& r) {
+          return std::tuple{between(r, 0.05, 0.98), between(r, 0.1, 3), between(r, 0.2, 6)};
+        });
   holds([](auto c, auto f0, auto tint) { return fresnel_f82(c, f0, tint); },
-        [](Random& r) { return std::tuple{between(r, 0.05, 0.98), between(r, 0.3, 0.95), between(r, 0.6, 0.99)}; });
+        [](Random& r) {
+          return std::tuple{between(r, 0.05, 0.98), between(r, 0.3, 0.95), between(r, 0.6, 0.99)};
+        });
   holds([](auto ior) { return fresnel_average(ior); }, [](Random& r) { return std::tuple{between(r, 1.05, 3)}; });
 }

@@ -17,7 +17,8 @@ template <class F> double over_normals(F f) {
   for (int i = 0; i < n; ++i) {
     const double t = std::exp(low + (i + 0.5) * step), c = 1 / std::sqrt(1 + t * t), s = t * c;
     double ring = 0;
-    for (int j = 0; j < m; ++j) ring += f(vec3<double>(s * std::cos(tau * (j + 0.5) / m), s * std::sin(tau * (j + 0.5) / m), c));
+    for (int j = 0; j < m; ++j)
+      ring += f(vec3<double>(s * std::cos(tau * (j + 0.5) / m), s * std::sin(tau * (j + 0.5) / m), c));
     sum += ring / m * tau * s * s * c * step;  // d theta = s c d ln t
   }
   return sum;
@@ -34,14 +35,17 @@ TEST_CASE("GGX: the microfacets that a viewer sees cover what the viewer sees", 
   for (const double r : {0.1, 0.4, 1.0})
     for (const double nv : {0.2, 0.6, 0.95}) {
       const vec3<double> v = viewer(nv);
-      const auto seen = [&](const vec3<double>& h) { return ggx_g1(r, nv) * std::max(dot(v, h), 0.0) * ggx_d(r, z, h); };
+      const auto seen = [&](const vec3<double>& h) {
+        return ggx_g1(r, nv) * std::max(dot(v, h), 0.0) * ggx_d(r, z, h);
+      };
       CHECK(over_normals(seen) == Approx(nv).epsilon(2e-4));
       const auto pdf = [&](const vec3<double>& h) { return ggx_visible_normal_pdf(r, nv, dot(v, h), ggx_d(r, z, h)); };
       CHECK(over_normals(pdf) == Approx(1).epsilon(2e-4));
     }
 }
 
-TEST_CASE("GGX: visibility is masking over 4 nl nv, symmetric, and correlation lets more through", "[shade][symmetry]") {
+TEST_CASE("GGX: visibility is masking over 4 nl nv, symmetric, and correlation lets more through",
+          "[shade][symmetry]") {
   for (const double r : {0.02, 0.3, 0.8})
     for (const double nl : {0.05, 0.5, 1.0})
       for (const double nv : {0.1, 0.7, 1.0}) {
@@ -112,25 +116,31 @@ TEST_CASE("GGX: all numbers agree and the slopes are right", "[shade][gradient]"
   const auto three = [](Random& r) { return std::tuple{between(r, 0.1, 1), between(r, 0.05, 1), between(r, 0.05, 1)}; };
   holds([](auto r, auto nh, auto sin2) { return ggx_d(r, nh, sin2); }, lobe);
   holds([](auto r, const auto& n, const auto& h) { return ggx_d(r, n, h); },
-        [](Random& r) { return std::tuple{between(r, 0.3, 1), upward(r, 0.5), upward(r, 0.5)}; });
+        [](Random& r) {
+          return std::tuple{between(r, 0.3, 1), upward(r, 0.5), upward(r, 0.5)};
+        });
   // A sharp lobe, inside of it, in steps that it can bear.
   holds([](auto r, const auto& n, const auto& h) { return ggx_d(r, n, h); },
         [](Random& r) {
-          const double rough = between(r, 0.03, 0.3), a = rough * rough, x = a * between(r, -1, 1), y = a * between(r, -1, 1);
+          const double rough = between(r, 0.03, 0.3), a = rough * rough, x = a * between(r, -1, 1),
+                       y = a * between(r, -1, 1);
           return std::tuple{rough, vec3<double>(0, 0, 1), vec3<double>(x, y, std::sqrt(1 - x * x - y * y))};
-        }, 2e-5, 1e-3, 1e-3);
+        },
+        2e-5, 1e-3, 1e-3);
   holds([](auto r, auto c, auto) { return ggx_g1(r, c); }, three);
   holds([](auto r, auto nl, auto nv) { return ggx_v_smith_separable(r, nl, nv); }, three);
   holds([](auto r, auto nl, auto nv) { return ggx_v_smith_correlated(r, nl, nv); }, three);
   holds([](auto r, auto nv, auto vh) { return ggx_visible_normal_pdf(r, nv, vh, 2.0f * vh); }, three);
   // Off the edges: v along the normal, u = 0, the rim of the disc.
-  holds([](auto r, const auto& v, const auto& u) {
-          const auto h = ggx_sample_visible_normal(r, v, u);
-          return h.x + 2.0f * h.y + 3.0f * h.z;
-        },
-        [](Random& r) {
-          vec3<double> v = upward(r, 0.2);
-          while (v.z > 0.95) v = upward(r, 0.2);
-          return std::tuple{between(r, 0.1, 1), v, vec2<double>(between(r, 0.05, 0.9), between(r, 0.05, 0.95))};
-        }, 1e-5, 1.0);
+  holds(
+      [](auto r, const auto& v, const auto& u) {
+        const auto h = ggx_sample_visible_normal(r, v, u);
+        return h.x + 2.0f * h.y + 3.0f * h.z;
+      },
+      [](Random& r) {
+        vec3<double> v = upward(r, 0.2);
+        while (v.z > 0.95) v = upward(r, 0.2);
+        return std::tuple{between(r, 0.1, 1), v, vec2<double>(between(r, 0.05, 0.9), between(r, 0.05, 0.95))};
+      },
+      1e-5, 1.0);
 }

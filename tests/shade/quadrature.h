@@ -1,5 +1,5 @@
-// tests/shade/quadrature.h -- hemisphere integrals of the layered reflection in double, by rules that share no code with it
-// SPDX-License-Identifier: Apache-2.0
+// tests/shade/quadrature.h -- hemisphere integrals of the layered reflection in double, by rules that share no code
+// with it SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <cmath>
 #include <burnish/shade/brdf.h>
@@ -52,10 +52,10 @@ template <class L> Vec reflected_light(const Surface<double>& s, double nv, int 
                          coat * ggx_d(a.coat_roughness, z, h));
   };
   const Vec diffuse = over_hemisphere(n, [&](const Vec& l) { return at(l, 0, 0) * radiance(l); });
-  const Vec base = over_half_vectors(a.base_roughness, v, n,
-                                     [&](const Vec& l, const Vec&) { return (at(l, 1, 0) - at(l, 0, 0)) * radiance(l); });
-  const Vec coat = over_half_vectors(a.coat_roughness, v, n,
-                                     [&](const Vec& l, const Vec&) { return (at(l, 0, 1) - at(l, 0, 0)) * radiance(l); });
+  const Vec base = over_half_vectors(
+      a.base_roughness, v, n, [&](const Vec& l, const Vec&) { return (at(l, 1, 0) - at(l, 0, 0)) * radiance(l); });
+  const Vec coat = over_half_vectors(
+      a.coat_roughness, v, n, [&](const Vec& l, const Vec&) { return (at(l, 0, 1) - at(l, 0, 0)) * radiance(l); });
   return diffuse + base + coat;
 }
 inline Vec albedo(const Surface<double>& s, double nv, int n) {

@@ -7,16 +7,16 @@
 
 namespace burnish {
 
-/// Metal flakes lying in the paint, each tilted a little: the slopes of a gradient noise in space. What of them a pixel can
-/// resolve bends the base's normal; what it cannot widens the base's lobe, by the same variance of slopes.
+/// Metal flakes lying in the paint, each tilted a little: the slopes of a gradient noise in space. What of them a pixel
+/// can resolve bends the base's normal; what it cannot widens the base's lobe, by the same variance of slopes.
 template <class T> struct Flakes {
   T size = 0.001f;    ///< metres between neighbours
   T amount = 0.05f;   ///< rms slope of a flake against the paint, along each of the two directions
-  T resolved = 0.0f;  ///< part of the slope that is drawn flake by flake: 0 where a pixel is wider than a flake, 1 close up
+  T resolved = 0.0f;  ///< part of the slope drawn flake by flake: 0 if a pixel is wider than a flake, 1 close up
 
   static constexpr auto parameters() {
-    return std::tuple{Param{"size", &Flakes::size, Range{0.0002f, 0.01f}}, Param{"amount", &Flakes::amount, Range{0, 0.5f}},
-                      Param{"resolved", &Flakes::resolved, unit}};
+    return std::tuple{Param{"size", &Flakes::size, Range{0.0002f, 0.01f}},
+                      Param{"amount", &Flakes::amount, Range{0, 0.5f}}, Param{"resolved", &Flakes::resolved, unit}};
   }
   /// Unit, in the tangent frame of a place: its position in metres, unit normal and tangent.
   constexpr vec3<T> normal(const vec3<T>& position, const vec3<T>& n, const vec3<T>& t) const {
@@ -35,7 +35,8 @@ template <class T> struct Flakes {
 template <class T> struct Mottle {
   T size = 0.02f, amount = 0.02f;
   static constexpr auto parameters() {
-    return std::tuple{Param{"size", &Mottle::size, Range{0.002f, 0.2f}}, Param{"amount", &Mottle::amount, Range{0, 0.5f}}};
+    return std::tuple{Param{"size", &Mottle::size, Range{0.002f, 0.2f}},
+                      Param{"amount", &Mottle::amount, Range{0, 0.5f}}};
   }
   /// A factor between 1 - amount and 1.
   constexpr T operator()(const vec3<T>& position) const {
@@ -43,8 +44,8 @@ template <class T> struct Mottle {
   }
 };
 
-/// Called with a place `at` that has position (metres, in the vehicle's own frame), normal and tangent (unit): a Surfel,
-/// or a host's own struct. The coat's normal stays smooth above the flakes.
+/// Called with a place `at` that has position (metres, in the vehicle's own frame), normal and tangent (unit): a
+/// Surfel, or a host's own struct. The coat's normal stays smooth above the flakes.
 template <class T> struct CarPaint {
   vec3<T> base_color = {0.5f, 0.08f, 0.06f};  ///< linear RGB, before the tint
   HsvAdjust<T> tint;                          ///< cut off at 1, an edge

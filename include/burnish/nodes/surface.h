@@ -12,24 +12,24 @@ namespace burnish {
 /// above, the slope is the lobe's own.
 inline constexpr float min_roughness = 0.02f;
 
-/// Colours are linear RGB in [0, 1]. Roughnesses are perceptual: alpha = roughness^2. Normals are unit and in the tangent
-/// frame of the hit: x along +u, y along the bitangent cross(normal, tangent), z along the shading normal.
+/// Colours are linear RGB in [0, 1]. Roughnesses are perceptual: alpha = roughness^2. Normals are unit and in the
+/// tangent frame of the hit: x along +u, y along the bitangent cross(normal, tangent), z along the shading normal.
 template <class T> struct Surface {
   T base_weight = 1.0f;
   vec3<T> base_color = {0.8f, 0.8f, 0.8f};  ///< albedo of the diffuse base, reflectance at normal incidence of metal
   T base_diffuse_roughness = 0.0f;          ///< 0: Lambert
   T base_metalness = 0.0f;
-  T specular_weight = 1.0f;                 ///< scales the dielectric's reflectance at normal incidence, and all of metal's
+  T specular_weight = 1.0f;  ///< scales the dielectric's reflectance at normal incidence, and all of metal's
   vec3<T> specular_color = {1.0f, 1.0f, 1.0f};  ///< tints the dielectric's reflection
   T specular_roughness = 0.3f;
   T specular_ior = 1.5f;
-  T transmission_weight = 0.0f;             ///< 1: the dielectric is a thin clear wall instead of a diffuse body
+  T transmission_weight = 0.0f;  ///< 1: the dielectric is a thin clear wall instead of a diffuse body
   vec3<T> transmission_color = {1.0f, 1.0f, 1.0f};  ///< what one crossing of the wall leaves
   T coat_weight = 0.0f;
   vec3<T> coat_color = {1.0f, 1.0f, 1.0f};  ///< what the way in and out through the coat leaves
   T coat_roughness = 0.0f;
   T coat_ior = 1.6f;
-  T coat_darkening = 1.0f;                  ///< how much of the light caught between coat and base is accounted for
+  T coat_darkening = 1.0f;  ///< how much of the light caught between coat and base is accounted for
   vec3<T> geometry_normal = {0.0f, 0.0f, 1.0f};
   vec3<T> geometry_coat_normal = {0.0f, 0.0f, 1.0f};
 

@@ -15,8 +15,8 @@ template <class T> constexpr T coated_roughness(const T& base, const same<T>& co
   return mix(b, sqrt(sqrt(min(b2 * b2 + 2.0f * c2 * c2, T(1.0f)))), w);
 }
 
-/// The share of the light leaving the base that the coat throws back to it: f0 for a mirror-like base (roughness 0), the
-/// diffuse internal reflectance 1 - (1 - mean Fresnel) / ior^2 for a diffuse one (1).
+/// The share of the light leaving the base that the coat throws back to it: f0 for a mirror-like base (roughness 0),
+/// the diffuse internal reflectance 1 - (1 - mean Fresnel) / ior^2 for a diffuse one (1).
 template <class T> constexpr T coat_internal_reflectance(const T& ior, const same<T>& roughness) {
   return mix(f0_from_ior(ior), 1.0f - (1.0f - fresnel_average(ior)) / (ior * ior), roughness);
 }

@@ -1,8 +1,8 @@
 // burnish/shade/fresnel.h -- how much an interface reflects
 // SPDX-License-Identifier: Apache-2.0
 //
-// c is the cosine between the direction and the (micro)normal, 0 <= c <= 1. All are smooth in every argument but for the
-// edges named.
+// c is the cosine between the direction and the (micro)normal, 0 <= c <= 1. All are smooth in every argument but for
+// the edges named.
 #pragma once
 #include <burnish/math/vec.h>
 
@@ -27,15 +27,15 @@ template <class T> constexpr T f0_from_ior(const T& ior) {
   const T r = (ior - 1.0f) / (ior + 1.0f);
   return r * r;
 }
-/// The f90 that belongs to a dielectric's f0: 1 from f0 = 0.02 on (ior 1.33), and 0 for f0 = 0, so that an interface that
-/// is none reflects nothing at grazing incidence either. Second derivatives jump at both ends.
+/// The f90 that belongs to a dielectric's f0: 1 from f0 = 0.02 on (ior 1.33), and 0 for f0 = 0, so that an interface
+/// that is none reflects nothing at grazing incidence either. Second derivatives jump at both ends.
 template <class T> constexpr T f90_from_f0(const T& f0) { return smoothstep(0.0f, 0.02f, f0); }
 
 /// Exact, unpolarised (Fresnel 1823). eta = n_t / n_i; below 1, light meets the interface from the denser side and is
-/// totally reflected for 1 - c^2 >= eta^2: 1 is returned, slope 0. The slope is infinite on the near side of that edge;
-/// that of the point 1e-6 (in cos^2) inside is returned.
+/// totally reflected for 1 - c^2 >= eta^2: 1 is returned, slope 0. On the near side of that edge the slope is infinite;
+/// within 1e-8 of it (in the square of the refracted cosine) the refracted cosine is held.
 template <class T> constexpr T fresnel_dielectric(const T& c, const same<T>& eta) {
-  const T t2 = 1.0f - (1.0f - c * c) / (eta * eta), t = sqrt(max(t2, 1e-6f));
+  const T t2 = 1.0f - (1.0f - c * c) / (eta * eta), t = sqrt(max(t2, 1e-8f));
   const T s = (c - eta * t) / (c + eta * t), p = (eta * c - t) / (eta * c + t);
   return select(t2 > 0.0f, 0.5f * (s * s + p * p), T(1.0f));
 }
@@ -51,13 +51,13 @@ template <class T> constexpr T fresnel_conductor(const T& c, const same<T>& eta,
   const T p = s * (both * c2 + s2 * s2 - x * s2) / (both * c2 + s2 * s2 + x * s2);
   return 0.5f * (s + p);
 }
-template <class T>
-constexpr vec3<T> fresnel_conductor(const T& c, const vec3<same<T>>& eta, const vec3<same<T>>& k) {
+template <class T> constexpr vec3<T> fresnel_conductor(const T& c, const vec3<same<T>>& eta, const vec3<same<T>>& k) {
   return {fresnel_conductor(c, eta.x, k.x), fresnel_conductor(c, eta.y, k.y), fresnel_conductor(c, eta.z, k.z)};
 }
 
-/// Metal by two colours: f0 at normal incidence, and tint times Schlick's curve at c = 1/7, about 82 degrees (Kutz, Hasan
-/// and Edmondson 2021; OpenPBR 1.1). tint 1 is Schlick. Kept above 0 by an edge that only a tint below about 0.5 reaches.
+/// Metal by two colours: f0 at normal incidence, and tint times Schlick's curve at c = 1/7, about 82 degrees (Kutz,
+/// Hasan and Edmondson 2021; OpenPBR 1.1). tint 1 is Schlick. Kept above 0 by an edge that only a tint below about 0.5
+/// reaches.
 template <class T> constexpr T fresnel_f82(const T& c, const same<T>& f0, const same<T>& tint) {
   constexpr float weight_at = 0.462664366f, shape_at = 0.0566527796f;  // (6/7)^5, (6/7)^6 / 7
   const T edge = (f0 + (1.0f - f0) * weight_at) * (1.0f - tint), m = 1.0f - c, w = schlick_weight(c);

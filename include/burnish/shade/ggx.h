@@ -1,8 +1,9 @@
 // burnish/shade/ggx.h -- the Trowbridge-Reitz (GGX) microfacet lobe
 // SPDX-License-Identifier: Apache-2.0
 //
-// Trowbridge and Reitz 1975; Walter et al. 2007; Heitz 2014. Isotropic. roughness is perceptual and alpha = roughness^2;
-// below min_roughness it counts as min_roughness (nodes/surface.h). n, v, l, h are unit; nl, nv, vh their dot products.
+// Trowbridge and Reitz 1975; Walter et al. 2007; Heitz 2014. Isotropic. roughness is perceptual and alpha =
+// roughness^2; below min_roughness it counts as min_roughness (nodes/surface.h). n, v, l, h are unit; nl, nv, vh their
+// dot products.
 #pragma once
 #include <burnish/nodes/surface.h>
 
@@ -19,9 +20,10 @@ template <class T> constexpr T ggx_root(const T& a2, const T& c) { return sqrt(a
 }  // namespace detail
 
 /// The density of microfacet normals, per steradian; times nh it integrates to 1 over the hemisphere. nh > 0;
-/// sin2 = |n x h|^2 = 1 - nh^2, wanted apart: in float, 1 - nh * nh has no digit left where a sharp lobe lives.
+/// sin2 = |n x h|^2 = 1 - nh^2, wanted apart: in float, 1 - nh * nh has no digit left where a sharp lobe lives. h = 0,
+/// which is what opposite v and l have, gives a finite number.
 template <class T> constexpr T ggx_d(const T& roughness, const same<T>& nh, const same<T>& sin2) {
-  const T a2 = detail::ggx_alpha2(roughness), k = sin2 + nh * nh * a2;
+  const T a2 = detail::ggx_alpha2(roughness), k = max(sin2 + nh * nh * a2, 0.5f * a2);
   return a2 * inverse_pi / (k * k);
 }
 template <class T> constexpr T ggx_d(const T& roughness, const vec3<same<T>>& n, const vec3<same<T>>& h) {
@@ -45,8 +47,8 @@ template <class T> constexpr T ggx_v_smith_correlated(const T& roughness, const 
 }
 
 /// A microfacet normal that v sees, from u in [0, 1)^2 (Heitz 2018). v and the result in the tangent frame, v.z > 0.
-template <class T> constexpr vec3<T> ggx_sample_visible_normal(const T& roughness, const vec3<same<T>>& v,
-                                                               const vec2<same<T>>& u) {
+template <class T>
+constexpr vec3<T> ggx_sample_visible_normal(const T& roughness, const vec3<same<T>>& v, const vec2<same<T>>& u) {
   const T a = sqrt(detail::ggx_alpha2(roughness));
   const vec3<T> s = normalize(vec3<T>(a * v.x, a * v.y, v.z));
   const T length2 = s.x * s.x + s.y * s.y, inverse = rsqrt(max(length2, 1e-12f));
@@ -59,8 +61,8 @@ template <class T> constexpr vec3<T> ggx_sample_visible_normal(const T& roughnes
   return normalize(vec3<T>(a * m.x, a * m.y, max(m.z, 1e-6f)));
 }
 /// Density of ggx_sample_visible_normal per steradian of h; of the reflected direction: divide by 4 vh.
-template <class T> constexpr T ggx_visible_normal_pdf(const T& roughness, const same<T>& nv, const same<T>& vh,
-                                                      const same<T>& d) {
+template <class T>
+constexpr T ggx_visible_normal_pdf(const T& roughness, const same<T>& nv, const same<T>& vh, const same<T>& d) {
   return 2.0f * max(vh, 0.0f) * d / (nv + detail::ggx_root(detail::ggx_alpha2(roughness), nv));
 }
 
