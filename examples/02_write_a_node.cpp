@@ -70,8 +70,8 @@ void run(const std::string& output, int size, int steps) {
 
   // How far one pixel is off. The compiler records it, node and all, and makes straight code for value and gradient.
   const auto distance = [](const auto& planks, const auto& pixel) {
-    const auto error = planks(pixel.uv).base_color - pixel.color;
-    return dot(error, error);
+    const auto off = planks(pixel.uv).base_color - pixel.color;
+    return dot(off, off);
   };
 
   const Planks<float> before;
@@ -94,10 +94,8 @@ void run(const std::string& output, int size, int steps) {
   print("target", truth);
   print("after", planks);
   const Planks<float> panels[] = {before, truth, planks};
-  program::write_png(output + "/planks.png", 3 * size + 16, size, [&](int x, int y) {
-    const int panel = x / (size + 8), column = x % (size + 8);
-    return column < size ? panels[panel](uv_of(column, y)).base_color : vec3<float>(1.0f);
-  });
+  program::write_row_png(output + "/planks.png", 3, size, size,
+                         [&](int k, int x, int y) { return panels[k](uv_of(x, y)).base_color; });
   std::printf("The picture, before | target | after: %s/planks.png\n", output.c_str());
 }
 

@@ -110,6 +110,16 @@ struct Photo {
   Mask vehicle;           // 0 to 1
   std::vector<int> label; // of each pixel: 1 paint, 2 glass, 3 rubber, 4 other, 0 not the vehicle; empty: not known
 
+  /// The window that the vehicle is in.
+  Photo cropped(int x, int y, int w, int h) const {
+    Photo p{burnish::cropped(image, x, y, w, h), burnish::cropped(vehicle, x, y, w, h), {}};
+    if (label.empty()) return p;
+    p.label.assign(std::size_t(w) * std::size_t(h), 0);
+    for (int j = std::max(0, -y); j < std::min(h, image.height - y); ++j)
+      for (int i = std::max(0, -x); i < std::min(w, image.width - x); ++i)
+        p.label[std::size_t(j) * std::size_t(w) + std::size_t(i)] = label[std::size_t(y + j) * std::size_t(image.width) + std::size_t(x + i)];
+    return p;
+  }
   Mask of(Role role) const {
     if (label.empty()) return role == Role::paint ? vehicle : Mask(vehicle.width, vehicle.height);
     Mask m = vehicle;
@@ -124,6 +134,7 @@ struct Lit {
 struct World {
   EnvironmentLight sky;
   LightStrength<float> strength;
+  vec3<float> occluded;  // radiance of what hides the sky: the vehicle itself, taken as a rough grey
 };
 Lit gather(const World& world, const Raycaster& scene, GBuffer g) {
   const auto blocked = [&](int i, std::span<const vec3<float>> directions, std::span<std::uint8_t> out) {
@@ -131,7 +142,7 @@ Lit gather(const World& world, const Raycaster& scene, GBuffer g) {
     origins.assign(directions.size(), scene.lift(g.at(i).position, g.geometric_normal(i)));
     scene.occluded(origins, directions, out);
   };
-  Illumination light(world.sky, g, blocked);
+  Illumination light(world.sky, g, blocked, {.rings = Rings::Size::medium, .occluded = world.occluded});
   return {std::move(g), LightOf<float>(std::move(light))};
 }
 template <class Look> auto lit_look(const Look& look, const Lit& lit, const World& world) {
@@ -143,11 +154,34 @@ struct Options {
   std::string vehicle = "/usr/share/sweethome3d/furniture/Scopia.sh3f:scopia/suv/suv.obj";
   std::string environment = "/usr/share/blender/datafiles/studiolights/world/city.exr";
   std::string output = "burnish-fit", resume;
-  std::vector<std::string> roles, freeze = {"tint", "coat_ior", "mottle.size", "flakes.size", "flakes.resolved"};
-  float yaw = 106, exposure = 0, rate = 0.02f;
+  std::vector<std::string> roles, freeze = {"tint", "coat_ior", "mottle.size", "flakes.size", "flakes.resolved",
+                                            "glass.base_color", "glass.specular_roughness", "glass.specular_ior", "specular_ior"};
+  float yaw = 106, exposure = 0, rate = 0.02f, prior = 0.02f;
   int steps = 300, threads = 0;
   bool defaults = false;
 };
+
+bool named(const std::string& parameter, const std::vector<std::string>& names) {
+  return std::any_of(names.begin(), names.end(), [&](const std::string& n) { return parameter == n || parameter.rfind(n + ".", 0) == 0; });
+}
+/// What the photo does not tell stays near where it began: a parabola over every parameter's range but a colour's, added to
+/// the loss and to d. Frozen parameters lose their derivative.
+template <class M> double hold_back(const M& model, const M& start, M& d, const Options& options) {
+  double loss = 0;
+  std::vector<std::tuple<std::string, Range>> names;
+  for_each_parameter(d, [&](const std::string& name, auto&, Range r) { names.push_back({name, r}); });
+  std::size_t i = 0;
+  each([&](float& slope, const float& x, const float& x0) {
+    const auto& [name, range] = names[i++];
+    if (named(name, options.freeze)) slope = 0;
+    else if (name.find("color") == std::string::npos && name.find("behind") == std::string::npos) {
+      const float width = range.high - range.low, off = (x - x0) / width;
+      loss += double(options.prior * off * off);
+      slope += 2 * options.prior * off / width;
+    }
+  }, d, model, start);
+  return loss;
+}
 
 /// Fits one part's model to the photo; gives what was found.
 template <class M, class Look>
@@ -158,7 +192,7 @@ FitState<M> fit_part(const char* name, const M& start, const Look& look, const L
   for (std::size_t i = 0; i < overlap.values.size(); ++i) overlap.values[i] *= cover.values[i];
   const Statistics statistics(photo.image, target);
   const auto seen = lit_look(look, lit, world);
-  FitState<M> state(start, Adam{.rate = options.rate});
+  FitState<M> state(start, Adam(options.rate));
   if (!options.resume.empty() && std::filesystem::exists(options.resume + "/" + checkpoint))
     from_json(parse_json(options.resume + "/" + checkpoint), state, options.resume + "/" + checkpoint);
   const int n = int(std::count_if(overlap.values.begin(), overlap.values.end(), [](float x) { return x > 0; }));
@@ -174,11 +208,7 @@ FitState<M> fit_part(const char* name, const M& start, const Look& look, const L
     std::fill(d_image.values.begin(), d_image.values.end(), 0.0f);
     const double loss = masked_l1(image, photo.image, overlap, 1, d_image) + part_statistics(image, cover, statistics, 0.1, d_image);
     backward(lit.pixels, seen, model, d_image, d);
-    for_each_parameter(d, [&]<class X>(const std::string& p, X& x, Range) {
-      for (const std::string& f : options.freeze)
-        if constexpr (Plain<X>)
-          if (p == f || p.rfind(f + ".", 0) == 0) x = 0;
-    });
+    const double pull = hold_back(model, start, d, options);
     try {
       state.adam.check(d);
     } catch (const Error& e) {
@@ -187,7 +217,7 @@ FitState<M> fit_part(const char* name, const M& start, const Look& look, const L
       const int p = lit.pixels.pixel[std::size_t(*place)];
       throw Error(std::string(e.what()) + ", pixel (" + std::to_string(p % image.width) + ", " + std::to_string(p / image.width) + ")");
     }
-    return loss;
+    return loss + pull;
   }, patience, [&](const FitState<M>& s) {
     char note[64];
     std::snprintf(note, sizeof note, "loss %.4f", s.losses.back());
@@ -210,13 +240,6 @@ Image map(const Image& image, float (*f)(float)) {
   for (float& x : out.values) x = f(x);
   return out;
 }
-Image crop(const Image& image, int x0, int y0, int w, int h) {
-  Image out(w, h);
-  for (int y = 0; y < h; ++y)
-    for (int x = 0; x < w; ++x) out.set(x, y, image.at(std::clamp(x0 + x, 0, image.width - 1), std::clamp(y0 + y, 0, image.height - 1)));
-  return out;
-}
-
 struct Vehicle {
   CarPaint<float> paint;
   Window<float> window;
@@ -282,9 +305,7 @@ std::vector<std::vector<std::string>> parameter_rows(const CarPaint<float>& befo
     std::snprintf(value, sizeof value, "%.4g", double(x));
     std::snprintf(old, sizeof old, "%.4g", b[name].get<double>());
     std::snprintf(range, sizeof range, "%g to %g", double(r.low), double(r.high));
-    bool fixed = false;
-    for (const std::string& f : frozen) fixed |= name == f || name.rfind(f + ".", 0) == 0;
-    rows.push_back({name, old, value, range, fixed ? "held" : x <= r.low || x >= r.high ? "at its bound" : ""});
+    rows.push_back({name, old, value, range, named(name, frozen) ? "held" : x <= r.low || x >= r.high ? "at its bound" : ""});
   });
   return rows;
 }
@@ -309,16 +330,27 @@ int run(const Options& o) {
   for (const std::string& line : report.lines) std::printf("  %s\n", line.c_str());
 
   Progress seeing("see");
-  const GBuffer g = scene.trace(camera);
-  if (g.size() == 0) throw Error(o.camera + ": the vehicle is not in the picture; it stands at the origin, x ahead, y up, metres");
-  const std::vector<Role> roles = roles_of(g, o.roles);
-  write_exr(o.output + "/gbuffer.exr", g);
+  const GBuffer frame = scene.trace(camera);
+  if (frame.size() == 0) throw Error(o.camera + ": the vehicle is not in the picture; it stands at the origin, x ahead, y up, metres");
+  const std::vector<Role> roles = roles_of(frame, o.roles);
+  write_exr(o.output + "/gbuffer.exr", frame);
+  const Mask seen_part = frame.frame("coverage");
   double both = 0, either = 0;
-  const Mask coverage = g.frame("coverage");
-  for (std::size_t i = 0; i < coverage.values.size(); ++i) {
-    both += double(std::min(coverage.values[i], photo.vehicle.values[i]));
-    either += double(std::max(coverage.values[i], photo.vehicle.values[i]));
+  int x0 = frame.width, x1 = 0, y0 = frame.height, y1 = 0;
+  for (int i = 0; i < frame.width * frame.height; ++i) {
+    const float a = seen_part.values[std::size_t(i)], b = photo.vehicle.values[std::size_t(i)];
+    both += double(std::min(a, b)), either += double(std::max(a, b));
+    if (a > 0 || b > 0.5f) x0 = std::min(x0, i % frame.width), x1 = std::max(x1, i % frame.width), y0 = std::min(y0, i / frame.width), y1 = std::max(y1, i / frame.width);
   }
+  double brightness = 0;  // mean linear value of the whole photo
+  for (int c = 0; c < 3; ++c)
+    for (int i = 0; i < frame.width * frame.height; ++i) brightness += double(detail::from_srgb(photo.image.plane(c)[i])) / (3.0 * frame.width * frame.height);
+  // From here on only the window that the vehicle is in.
+  const int margin = (x1 - x0) / 12 + 4, w = x1 - x0 + 1 + 2 * margin, h = y1 - y0 + 1 + 2 * margin;
+  photo = photo.cropped(x0 - margin, y0 - margin, w, h);
+  camera = camera.cropped(x0 - margin, y0 - margin, w, h);
+  const GBuffer g = scene.trace(camera);
+  const Mask coverage = g.frame("coverage");
   char note[160];
   std::snprintf(note, sizeof note, "%d pixels of the vehicle; it covers the mask with IoU %.3f", g.size(), both / std::max(1.0, either));
   seeing.finish(note);
@@ -329,7 +361,7 @@ int run(const Options& o) {
   // The light: neutral on average, and as strong as a street of middling grey (albedo 0.2) must have been lit to give the
   // photo's mean brightness; raised where the paint would have to be whiter than 0.8.
   Progress lighting("light");
-  World world{EnvironmentLight(panorama, o.yaw * pi / 180), {}};
+  World world{EnvironmentLight(panorama, o.yaw * pi / 180), {}, {}};
   const IrradianceMap irradiance(world.sky);
   vec3<float> mean_irradiance;
   for (const vec3<float>& n : {vec3<float>{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0, 0, -1}}) {
@@ -337,10 +369,7 @@ int run(const Options& o) {
     mean_irradiance += vec3<float>(e[0], e[1], e[2]) * 0.2f;
     for (const Sun<float>& s : world.sky.suns) mean_irradiance += s.power * (0.2f * std::max(0.0f, dot(n, s.direction)));
   }
-  Image linear = map(photo.image, detail::from_srgb);
-  double brightness = 0;
-  for (int c = 0; c < 3; ++c)
-    for (int i = 0; i < linear.width * linear.height; ++i) brightness += double(linear.plane(c)[i]) / (3.0 * linear.width * linear.height);
+  world.occluded = mean_irradiance * (0.2f * inverse_pi);
   const vec3<float> grey = vec3<float>(float(brightness) / (0.2f * inverse_pi)) / mean_irradiance;
   world.strength.sky = world.strength.sun = o.exposure > 0 ? vec3<float>(o.exposure) : grey;
   const auto select_role = [&](Role r) { return g.only([&](int part) { return roles[std::size_t(part)] == r; }); };
@@ -379,18 +408,13 @@ int run(const Options& o) {
   write_model(o.output + "/rubber.json", after.rubber);
   const Compositor compose(photo, camera, scene, world, roles);
   const Image old = compose(before), now = compose(after);
-  int x0 = g.width, x1 = 0, y0 = g.height, y1 = 0;
-  for (int i = 0; i < g.width * g.height; ++i)
-    if (coverage.values[std::size_t(i)] > 0 || photo.vehicle.values[std::size_t(i)] > 0.5f)
-      x0 = std::min(x0, i % g.width), x1 = std::max(x1, i % g.width), y0 = std::min(y0, i / g.width), y1 = std::max(y1, i / g.width);
-  const int margin = (x1 - x0) / 12 + 4;
-  x0 -= margin, y0 -= margin;
-  const int w = x1 + margin - x0, h = y1 + margin - y0, wide = 640, high = std::max(1, wide * h / w);
-  const auto panel = [&](const Image& image) { return resized(crop(image, x0, y0, w, h), wide, high); };
+  const Image linear = map(photo.image, detail::from_srgb), shown = map(now, detail::to_srgb);
+  const int wide = 640, high = std::max(1, wide * h / w);
+  const auto panel = [&](const Image& image) { return resized(image, wide, high); };
   Image difference(linear.width, linear.height);
   for (int y = 0; y < linear.height; ++y)
     for (int x = 0; x < linear.width; ++x) {
-      const vec3<float> d = map(crop(now, x, y, 1, 1), detail::to_srgb).at(0, 0) - photo.image.at(x, y);
+      const vec3<float> d = shown.at(x, y) - photo.image.at(x, y);
       const float inside = std::min(coverage.at(x, y), photo.vehicle.at(x, y));
       difference.set(x, y, vec3<float>(detail::from_srgb(std::abs(d.x)), detail::from_srgb(std::abs(d.y)), detail::from_srgb(std::abs(d.z))) * inside);
     }
@@ -439,6 +463,7 @@ int main(int argc, char** argv) {
   app.add_option("--exposure", o.exposure, "strength of the light; 0: found from the photo's brightness")->capture_default_str();
   app.add_option("--steps", o.steps, "at most")->check(CLI::Range(1, 100000))->capture_default_str();
   app.add_option("--rate", o.rate, "of Adam, in parts of every parameter's range")->check(CLI::Range(1e-6f, 1.0f))->capture_default_str();
+  app.add_option("--prior", o.prior, "how strongly what the photo does not tell is held where it began")->check(CLI::Range(0.0f, 10.0f))->capture_default_str();
   app.add_option("--freeze", o.freeze, "parameters that stay as they are")->delimiter(',')->capture_default_str();
   app.add_option("--resume", o.resume, "go on from the states in this folder");
   app.add_option("--threads", o.threads, "0: all cores")->check(CLI::Range(0, 1024))->capture_default_str();

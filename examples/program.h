@@ -1,4 +1,4 @@
-// examples/program.h -- what the small programs share beside burnish: arguments and PNG files
+// examples/program.h -- what the small programs share beside burnish: arguments and PNG pictures
 // SPDX-License-Identifier: Apache-2.0
 //
 // Here so that they need no library to be installed; nothing of it is burnish.
@@ -134,6 +134,17 @@ template <class Color> void write_png(const std::string& path, int width, int he
     std::filesystem::remove(partial, failed);
     throw std::runtime_error(path + ": cannot be written");
   }
+}
+
+
+/// The pictures panel(k, x, y), k = 0 .. count - 1, side by side with white between.
+template <class Color> void write_row_png(const std::string& path, int count, int width, int height, Color panel) {
+  constexpr int gap = 8;
+  write_png(path, count * width + (count - 1) * gap, height, [&](int x, int y) {
+    const int k = x / (width + gap), column = x % (width + gap);
+    using C = decltype(panel(k, column, y));
+    return column < width ? panel(k, column, y) : C{1, 1, 1};
+  });
 }
 
 }  // namespace program

@@ -31,7 +31,7 @@ inline Image image_of(const OIIO::ImageBuf& b) {
 /// Where no font is found the picture goes without.
 inline void write_on(OIIO::ImageBuf& b, int x, int y, const std::string& text, int size, float grey) {
   const float color[3] = {grey, grey, grey};
-  (void)OIIO::ImageBufAlgo::render_text(b, x, y, text, size, "", color);
+  (void)OIIO::ImageBufAlgo::render_text(b, x, y, text, size, "DejaVuSans", color);
   (void)b.geterror();
   (void)OIIO::geterror();
 }

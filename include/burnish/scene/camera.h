@@ -62,6 +62,12 @@ struct Camera {
   /// Through the pixel place (x, y), of depth 1 along the view axis: at position + z * toward() lies depth z.
   vec3<float> toward(float x, float y) const { return forward + right * ((x - cx) / fx) + down * ((y - cy) / fy); }
   Ray ray(float x, float y) const { return {position, normalize(toward(x, y))}; }
+  /// The window of w x h pixels whose first is (x, y); it may reach beyond the picture.
+  Camera cropped(int x, int y, int w, int h) const {
+    Camera c = *this;
+    c.width = w, c.height = h, c.cx -= float(x), c.cy -= float(y);
+    return c;
+  }
   /// The same view on factor times as many pixels each way.
   Camera scaled(float factor) const {
     Camera c = *this;

@@ -119,6 +119,26 @@ inline void resize_plane(const float* from, int w, int h, float* to, int new_w, 
 }
 }  // namespace detail
 
+/// The window of w x h pixels whose first is (x, y); beyond the picture its edge goes on.
+inline Image cropped(const Image& image, int x, int y, int w, int h) {
+  Image out(w, h);
+  for (int j = 0; j < h; ++j) {
+    for (int i = 0; i < w; ++i)
+      out.set(i, j, image.at(std::clamp(x + i, 0, image.width - 1), std::clamp(y + j, 0, image.height - 1)));
+  }
+  return out;
+}
+/// Beyond the picture a mask is 0.
+inline Mask cropped(const Mask& mask, int x, int y, int w, int h) {
+  Mask out(w, h);
+  for (int j = 0; j < h; ++j) {
+    for (int i = 0; i < w; ++i) {
+      if (x + i >= 0 && x + i < mask.width && y + j >= 0 && y + j < mask.height) out.at(i, j) = mask.at(x + i, y + j);
+    }
+  }
+  return out;
+}
+
 /// The same picture in another size: bilinear when larger, a tent over all pixels it covers when smaller.
 inline Image resized(const Image& image, int width, int height) {
   Image out(width, height);
