@@ -40,8 +40,8 @@ int run() {
   const Varnish<double> varnish;
   const auto brightness = [](const auto& v) { return v.brightness(); };
   const auto [light, d] = differentiate(brightness, varnish);
-  std::cout << "varnish lets through        " << light << ", by thickness " << d.thickness << ", by stain (" << d.stain.x
-            << ", " << d.stain.y << ", " << d.stain.z << ")\n";
+  std::cout << "varnish lets through        " << light << ", by thickness " << d.thickness << ", by stain ("
+            << d.stain.x << ", " << d.stain.y << ", " << d.stain.z << ")\n";
 
   // The operation above; every way of differentiating knows it from here on.
   const auto softplus = [](auto x) { return apply<Softplus>(x); };
@@ -69,6 +69,7 @@ int run() {
 int main(int argc, char** argv) {
   if (argc == 1) return run();
   const bool help = argc == 2 && std::string_view(argv[1]) == "--help";
-  (help ? std::cout : std::cerr) << (help ? "" : "unknown argument; ") << "usage: 01_differentiate, without arguments\n";
+  if (help) std::cout << "Derivatives of functions and structs, and a checker of them.\n\nusage: 01_differentiate\n";
+  else std::cerr << "01_differentiate: takes no arguments but --help\n";
   return help ? 0 : 2;
 }

@@ -45,14 +45,16 @@ struct Option {
 };
 
 /// Reads the arguments and runs. The exit code: 0, or 2 after one line that says what was wrong.
-template <class Run> int main(int argc, char** argv, const std::string& about, const std::vector<Option>& options, Run run) {
+template <class Run>
+int main(int argc, char** argv, const std::string& about, const std::vector<Option>& options, Run run) {
   const std::string self = std::filesystem::path(argv[0]).filename().string();
   try {
     for (int i = 1; i < argc; i += 2) {
       const std::string name = argv[i];
       if (name == "--help") {
         std::cout << about << "\n\nusage: " << self << " [--option value]...\n";
-        for (const Option& o : options) std::cout << "  " << o.name << " " << o.placeholder << "  " << o.help << " [" << o.now() << "]\n";
+        for (const Option& o : options)
+          std::cout << "  " << o.name << " " << o.placeholder << "  " << o.help << " [" << o.now() << "]\n";
         return 0;
       }
       const auto found = std::find_if(options.begin(), options.end(), [&](const Option& o) { return o.name == name; });
