@@ -182,6 +182,12 @@ struct CompiledRun {
     static thread_local const std::unique_ptr<State> s(new State);
     return *s;
   }
+  /// Is there a step that writes the adjoint of this plane?
+  static bool writes(int plane) {
+    for (int k = 0; k < P::plan.planes.size; ++k)
+      if (S::recording.nodes[std::size_t(P::plan.planes.node[k])].index == plane) return true;
+    return false;
+  }
   void band(Environment& e, int begin, int end, float* const* image, const float* const* d_image, float* d_parameters, int n) const {
     State& s = state();
     std::size_t turns = 1;
@@ -198,6 +204,7 @@ struct CompiledRun {
 };
 struct ReplayRun {
   const Replay& player;
+  static bool writes(int) { return false; }
   void band(Environment& e, int begin, int end, float* const* image, const float* const* d_image, float* d_parameters, int n) const {
     static thread_local Replay::State s;
     player.begin(s, e);
@@ -247,7 +254,8 @@ void play(const Run& run, const G& g, const M& model, const std::tuple<const Dat
       d_y[c] = to - begin;
     }
     if constexpr (is_planes<M>)  // a plane that the look does not read has no step that would write its adjoint
-      for (auto& p : d.plane) std::fill(p.begin() + begin, p.begin() + end, 0.0f);
+      for (std::size_t k = 0; k < d.plane.size(); ++k)
+        if (!run.writes(int(k))) std::fill(d.plane[k].begin() + begin, d.plane[k].begin() + end, 0.0f);
     run.band(e, begin, end, y.data(), d_y.data(), part.data() + std::size_t(b) * std::size_t(n), n);
     if (image) done(b, begin, end, y.data());
   });
