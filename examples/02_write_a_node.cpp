@@ -74,6 +74,7 @@ void run(const std::string& output, int size, int steps) {
     return dot(off, off);
   };
 
+  // The width is found from 0.095 to 0.13; a lattice further off sticks, and wants a better start.
   const Planks<float> before;
   Planks<float> planks = before;
   Adam adam{.rate = 0.02f};

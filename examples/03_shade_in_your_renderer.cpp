@@ -48,7 +48,7 @@ struct Scene {
       material({0.6f, 0.06f, 0.05f}, 0.5f, 0.4f, 0.7f), material({0.8f, 0.8f, 0.8f}, 1, 0.05f),
       material({1, 0.72f, 0.32f}, 1, 0.3f),             material({0.75f, 0.75f, 0.7f}, 0, 0.8f),
       material({0.08f, 0.08f, 0.09f}, 0, 0.3f),         material({0.5f, 0.5f, 0.48f}, 0, 0.3f)};
-  enum { paint, mirror, gold, clay, floor };
+  enum { paint, mirror, gold, clay, tiles };
   std::vector<Sphere> spheres{{{0, 1, 0}, 1, paint}, {{-1, 0.3f, 1.2f}, 0.3f, paint}, {{-1.9f, 0.7f, 0}, 0.7f, mirror},
                               {{0.9f, 0.3f, 1.2f}, 0.3f, gold}, {{1.7f, 0.6f, -0.2f}, 0.6f, clay}};
 
@@ -56,7 +56,7 @@ struct Scene {
     const float down = -ray.origin.y / ray.direction.y;
     float nearest = down > 1e-3f ? std::min(down, 50.0f) : 50.0f;
     float3 at = ray.origin + ray.direction * nearest;
-    Hit found{at, {0, 1, 0}, nearest < 50 ? floor + ((int(std::floor(at.x)) + int(std::floor(at.z))) & 1) : -1};
+    Hit found{at, {0, 1, 0}, nearest < 50 ? tiles + ((int(std::floor(at.x)) + int(std::floor(at.z))) & 1) : -1};
     for (const Sphere& s : spheres) {
       const float3 to = s.center - ray.origin;
       const float b = dot(to, ray.direction), q = b * b - dot(to, to) + s.radius * s.radius;
