@@ -197,6 +197,8 @@ struct Select : Operation<3> {
 };
 }  // namespace op
 
+struct Environment;  // what a player is given beside the recording, ad/environment.h
+
 namespace detail {
 
 /// The arithmetic of a number type D that has D::play<Op>(array of inputs), D::less(a, b) and select(mask, a, b).
@@ -319,8 +321,9 @@ template <class Op> constexpr unsigned name_hash() {
 }
 
 struct Step;  // an instruction of the replay, ad/replay.h
-template <class Op> void tile_forward(const Step&, float* values);
-template <class Op> void tile_backward(const Step&, float* values, float* adjoints);
+using Run = void(const Step&, float* memory, float* frame, const int* more, const Environment&);
+template <class Op> void strip_forward(const Step&, float* memory, float* frame, const int* more, const Environment&);
+template <class Op> constexpr Run* backward_step(const int* modes);
 
 }  // namespace detail
 
@@ -332,12 +335,12 @@ struct Info {
   std::array<unsigned, detail::max_inputs> needs;
   void (*forward)(const Lanes* x, Lanes* y, const void* data);
   void (*backward)(const Lanes* x, const Lanes* y, const Lanes* d_y, Lanes* d_x, const void* data, Scatter* scatter);
-  void (*tile_forward)(const detail::Step&, float*);
-  void (*tile_backward)(const detail::Step&, float*, float*);
+  detail::Run* strip_forward;
+  detail::Run* (*strip_backward)(const int* modes);
 };
 template <class Op> inline constexpr Info info{
     Op::inputs, Op::outputs, detail::has_slopes<Op>(), detail::Reads<Op>, detail::name_hash<Op>(), detail::needs<Op>(),
-    detail::forward<Op, Lanes>, detail::backward<Op, Lanes>, detail::tile_forward<Op>, detail::tile_backward<Op>};
+    detail::forward<Op, Lanes>, detail::backward<Op, Lanes>, detail::strip_forward<Op>, detail::backward_step<Op>};
 
 namespace detail {
 template <class T> inline constexpr bool is_number = Plain<T> || is_packet<T> || std::is_base_of_v<Elementary<T>, T>;

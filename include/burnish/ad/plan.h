@@ -13,8 +13,8 @@ template <int N, int L, int O> struct Frozen {
 };
 
 /// On the way back a loop either runs its body again, or reads the costly values (quotients, roots, noise) that the way
-/// forth has kept, and does the cheap ones again.
-enum class Turns { again, kept };
+/// forth has kept, and does the cheap ones again, or reads all that it needs.
+enum class Turns { again, kept, all };
 
 /// What to do with one node.
 struct Duty {
@@ -115,17 +115,17 @@ constexpr int make_plan(const R& r, A& p, bool gradient, Turns turns = Turns::ag
     closure([](int) { return false; });
     return 0;
   }
-  std::vector<bool> wanted(std::size_t(n), false), keep(std::size_t(n), false);
+  std::vector<char> wanted(r.nodes.size(), char(0)), keep(r.nodes.size(), char(0));  // not bool: its vector is no constant expression in every library
   for (int i = 0; i < n; ++i) wanted[std::size_t(i)] = duty(i).turn;
-  std::vector<bool> reached = wanted;
+  std::vector<char> reached = wanted;
   for (int i = n - 1; i >= 0; --i)
     if (reached[std::size_t(i)] && node(i).kind == Kind::operation && cheap(node(i)))
       for (int k = 0; k < inputs_of(node(i)); ++k)
         if (in_body(r, node(i).in[std::size_t(k)])) reached[std::size_t(node(i).in[std::size_t(k)])] = true;
   std::vector<int> cost(std::size_t(n), 0);
   for (int i = 0; i < n; ++i) {
-    if (!reached[std::size_t(i)] || node(i).kind == Kind::item) continue;
-    if (!(node(i).kind == Kind::operation && cheap(node(i)))) {
+    if (!(turns == Turns::all ? wanted : reached)[std::size_t(i)] || node(i).kind == Kind::item) continue;
+    if (turns == Turns::all || !(node(i).kind == Kind::operation && cheap(node(i)))) {
       keep[std::size_t(i)] = true;
       continue;
     }

@@ -1,8 +1,10 @@
-// burnish/ad/replay.h -- the player for recordings made at run time: one operation after another over a tile of pixels
+// burnish/ad/replay.h -- the player for recordings made at run time: one operation after another over a strip of pixels
 // SPDX-License-Identifier: Apache-2.0
 //
-// A value is a tile of 256 floats, or one packet where it is the same for all pixels. Multiplications that feed one sum are
-// fused into it; a value's room is given to another once nothing reads it any more, so that the tiles in use stay in cache.
+// A value is a strip of floats, or one packet where it is the same for all pixels. Strips are short, so that a whole
+// recording's values stay in the fastest caches; the room of a value is given to another once nothing reads it any more.
+// Multiplications that feed one sum are fused into it, and an adjoint that is merely handed on changes its owner, not its
+// place. What a loop's way back reads of a turn is kept in a frame of its own for every turn.
 #pragma once
 #include <cstring>
 #include <burnish/ad/environment.h>
@@ -10,94 +12,136 @@
 
 namespace burnish {
 
-/// Pixels that the replay does at a time; planes are padded to a multiple of it.
+/// Pixels that are played at a time; planes are padded to a multiple of it.
 inline constexpr int tile = 256;
 
 namespace detail {
 
-/// One operation over a tile. Offsets are in floats.
+/// Pixels that one operation of the replay does at a time.
+inline constexpr int strip = 128;
+
+/// One operation over a strip. Operands are offsets in floats, multiples of 16; their lowest bits say how they are meant.
 struct Step {
-  const Info* op = nullptr;
-  int packets = 0, resource = -1;
-  bool scatters = false;
-  std::array<int, max_inputs> x{}, x_stride{}, d_x{};
-  std::array<int, max_outputs> y{}, d_y{};
-  std::array<signed char, max_inputs> mode{};
+  static constexpr int inlined = 6;  // so many operands lie here; of longer lists the place in `more`
+  Run* run = nullptr;
+  int at[inlined] = {};
+};
+enum Operand : int {
+  uniform = 1, framed = 2,                                      // values: one packet for all; in the frame of the turn
+  none = 0, assigned = 1, added = 2, summed = 3, absent = 1     // adjoints: summed into one packet; absent: there is none
+};
+constexpr int offset(int at) { return at & ~15; }
+
+/// Operations of few instructions, whose loops over a strip are worth unrolling.
+template <class Op> inline constexpr bool brief = false;
+#define BURNISH_BRIEF(name) template <> inline constexpr bool brief<op::name> = true;
+BURNISH_BRIEF(Add) BURNISH_BRIEF(Sub) BURNISH_BRIEF(Mul) BURNISH_BRIEF(MulAdd) BURNISH_BRIEF(MulSub) BURNISH_BRIEF(SubMul)
+BURNISH_BRIEF(Neg) BURNISH_BRIEF(Max) BURNISH_BRIEF(Min) BURNISH_BRIEF(Abs) BURNISH_BRIEF(Reciprocal) BURNISH_BRIEF(Sqrt)
+BURNISH_BRIEF(Rsqrt) BURNISH_BRIEF(Select)
+#undef BURNISH_BRIEF
+
+template <int N> [[gnu::always_inline]] inline const int* operands(const Step& s, const int* more) {
+  if constexpr (N <= Step::inlined) return s.at;
+  else return more + s.at[0];
+}
+/// Operands: inputs, outputs, resource.
+template <class Op> void strip_forward(const Step& s, float* memory, float* frame, const int* more, const Environment& e) {
+  constexpr int in = Op::inputs, out = Op::outputs;
+  const int* const at = operands<in + out + Reads<Op>>(s, more);
+  const float* x_at[in];
+  int stride[in];
+  float* y_at[out];
+  for (int k = 0; k < in; ++k) {
+    x_at[k] = (at[k] & framed ? frame : memory) + offset(at[k]);
+    stride[k] = at[k] & uniform ? 0 : lanes;
+  }
+  for (int k = 0; k < out; ++k) y_at[k] = (at[in + k] & framed ? frame : memory) + offset(at[in + k]);
+  const void* data = nullptr;
+  if constexpr (Reads<Op>) data = e.resources[at[in + out]];
+  const auto packet = [&](int p) __attribute__((always_inline)) {
+    Lanes x[in], y[out];
+    for (int k = 0; k < in; ++k) x[k] = Lanes::load(x_at[k] + p * stride[k]);
+    forward<Op, Lanes>(x, y, data);
+    for (int k = 0; k < out; ++k) y[k].store(y_at[k] + p * lanes);
+  };
+  if constexpr (brief<Op>) {
+#pragma GCC unroll 16
+    for (int p = 0; p < strip / lanes; ++p) packet(p);
+  } else {
+#pragma GCC unroll 1
+    for (int p = 0; p < strip / lanes; ++p) packet(p);
+  }
+}
+/// Operands: inputs, outputs, adjoints of the outputs, adjoints of the inputs, resource, is it fitted. M: the modes, where
+/// they are few enough to be compiled one by one.
+template <class Op, int... M>
+void strip_backward(const Step& s, float* memory, float* frame, const int* more, const Environment& e) {
+  constexpr int in = Op::inputs, out = Op::outputs;
+  [[maybe_unused]] constexpr std::array<int, sizeof...(M) + 1> fixed{M...};
+  const int* const at = operands<2 * in + 2 * out + 2 * Reads<Op>>(s, more);
+  const float *x_at[in], *y_at[out], *d_y_at[out];
+  int stride[in], mode[in];
+  float* d_x_at[in];
+  bool present[out];
+  for (int k = 0; k < in; ++k) {
+    x_at[k] = (at[k] & framed ? frame : memory) + offset(at[k]);
+    stride[k] = at[k] & uniform ? 0 : lanes;
+    d_x_at[k] = memory + offset(at[in + 2 * out + k]);
+    mode[k] = at[in + 2 * out + k] & 3;
+  }
+  for (int k = 0; k < out; ++k) {
+    y_at[k] = (at[in + k] & framed ? frame : memory) + offset(at[in + k]);
+    d_y_at[k] = memory + offset(at[in + out + k]);
+    present[k] = out == 1 || !(at[in + out + k] & absent);
+  }
   const void* data = nullptr;
   Scatter* scatter = nullptr;
-};
-// Pointers and strides are copied out first: a store of packets might change the step, as far as the compiler knows.
-template <class Op> void tile_forward(const Step& s, float* values) {
-  const float* x_at[Op::inputs];
-  int stride[Op::inputs];
-  float* y_at[Op::outputs];
-  for (int k = 0; k < Op::inputs; ++k) x_at[k] = values + s.x[k], stride[k] = s.x_stride[k];
-  for (int k = 0; k < Op::outputs; ++k) y_at[k] = values + s.y[k];
-  const void* const data = s.data;
-  for (int p = 0, n = s.packets; p < n; ++p) {
-    Lanes x[Op::inputs], y[Op::outputs];
-    for (int k = 0; k < Op::inputs; ++k) {
-      x[k] = Lanes::load(x_at[k]);
-      x_at[k] += stride[k];
-    }
-    forward<Op, Lanes>(x, y, data);
-    for (int k = 0; k < Op::outputs; ++k) {
-      y[k].store(y_at[k]);
-      y_at[k] += lanes;
-    }
+  if constexpr (Reads<Op>) {
+    data = e.resources[at[2 * in + 2 * out]];
+    if (at[2 * in + 2 * out + 1]) scatter = e.scatters + at[2 * in + 2 * out];
   }
-}
-/// M: the modes, where they are few enough to be compiled one by one.
-template <class Op, int... M> void tile_backward_as(const Step& s, float* values, float* adjoints) {
-  constexpr int fixed[] = {M..., -1};
-  const float *x_at[Op::inputs], *y_at[Op::outputs], *d_y_at[Op::outputs];
-  int stride[Op::inputs], mode[Op::inputs];
-  float* d_x_at[Op::inputs];
-  for (int k = 0; k < Op::inputs; ++k) {
-    x_at[k] = values + s.x[k], stride[k] = s.x_stride[k];
-    d_x_at[k] = adjoints + s.d_x[k], mode[k] = s.mode[k];
-  }
-  for (int k = 0; k < Op::outputs; ++k) {
-    y_at[k] = values + s.y[k];
-    d_y_at[k] = s.d_y[k] >= 0 ? adjoints + s.d_y[k] : nullptr;
-  }
-  const void* const data = s.data;
-  Scatter* const scatter = s.scatter;
-  for (int p = 0, n = s.packets; p < n; ++p) {
-    Lanes x[Op::inputs], y[Op::outputs], d_x[Op::inputs], d_y[Op::outputs];
-    for (int k = 0; k < Op::inputs; ++k) {
-      x[k] = Lanes::load(x_at[k]);
-      x_at[k] += stride[k];
-    }
-    for (int k = 0; k < Op::outputs; ++k) {
+  const auto packet = [&](int p) __attribute__((always_inline)) {
+    Lanes x[in], y[out], d_x[in], d_y[out];
+    for (int k = 0; k < in; ++k) x[k] = Lanes::load(x_at[k] + p * stride[k]);
+    for (int k = 0; k < out; ++k) {
       y[k] = Lanes::load(y_at[k] + p * lanes);
-      d_y[k] = Op::outputs == 1 || d_y_at[k] ? Lanes::load(d_y_at[k] + p * lanes) : Lanes(0.0f);
+      d_y[k] = present[k] ? Lanes::load(d_y_at[k] + p * lanes) : Lanes(0.0f);
     }
     backward<Op, Lanes>(x, y, d_y, d_x, data, scatter);
-    for (int k = 0; k < Op::inputs; ++k) {
-      const int m = sizeof...(M) ? fixed[k < int(sizeof...(M)) ? k : 0] : mode[k];
-      float* const to = d_x_at[k] + p * stride[k];
-      if (m == 1) d_x[k].store(to);
-      else if (m == 2) (Lanes::load(to) + d_x[k]).store(to);
+    for (int k = 0; k < in; ++k) {
+      const int m = sizeof...(M) ? fixed[std::size_t(k) % fixed.size()] : mode[k];
+      float* const to = d_x_at[k] + (m == summed ? 0 : p * lanes);
+      if (m == assigned) d_x[k].store(to);
+      else if (m != none) (Lanes::load(to) + d_x[k]).store(to);
     }
+  };
+  if constexpr (sizeof...(M) > 0) {
+#pragma GCC unroll 16
+    for (int p = 0; p < strip / lanes; ++p) packet(p);
+  } else {
+#pragma GCC unroll 1
+    for (int p = 0; p < strip / lanes; ++p) packet(p);
   }
 }
-template <class Op> void tile_backward(const Step& s, float* values, float* adjoints) {
-  if constexpr (Op::inputs == 1 && Arithmetic<Op>) {
-    if (s.mode[0] == 1) tile_backward_as<Op, 1>(s, values, adjoints);
-    else tile_backward_as<Op, 2>(s, values, adjoints);
-  } else if constexpr (Op::inputs == 2 && Arithmetic<Op>) {
-    switch (s.mode[0] * 3 + s.mode[1]) {
-      case 1: return tile_backward_as<Op, 0, 1>(s, values, adjoints);
-      case 2: return tile_backward_as<Op, 0, 2>(s, values, adjoints);
-      case 3: return tile_backward_as<Op, 1, 0>(s, values, adjoints);
-      case 4: return tile_backward_as<Op, 1, 1>(s, values, adjoints);
-      case 5: return tile_backward_as<Op, 1, 2>(s, values, adjoints);
-      case 6: return tile_backward_as<Op, 2, 0>(s, values, adjoints);
-      case 7: return tile_backward_as<Op, 2, 1>(s, values, adjoints);
-      case 8: return tile_backward_as<Op, 2, 2>(s, values, adjoints);
+/// The player of a step back whose adjoints go where modes say.
+template <class Op> constexpr Run* backward_step(const int* modes) {
+  if constexpr (brief<Op> && Op::inputs == 1) {
+    if (modes[0] == assigned) return strip_backward<Op, assigned>;
+    if (modes[0] == added) return strip_backward<Op, added>;
+  } else if constexpr (brief<Op> && Op::inputs == 2) {
+    switch (modes[0] * 4 + modes[1]) {
+      case 1: return strip_backward<Op, none, assigned>;
+      case 2: return strip_backward<Op, none, added>;
+      case 4: return strip_backward<Op, assigned, none>;
+      case 5: return strip_backward<Op, assigned, assigned>;
+      case 6: return strip_backward<Op, assigned, added>;
+      case 8: return strip_backward<Op, added, none>;
+      case 9: return strip_backward<Op, added, assigned>;
+      case 10: return strip_backward<Op, added, added>;
+      default: break;
     }
-  } else tile_backward_as<Op>(s, values, adjoints);
+  }
+  return strip_backward<Op>;
 }
 
 /// A product that only one sum or difference reads becomes one operation with it.
@@ -119,6 +163,11 @@ inline void fuse(Recording& r) {
     }
   }
 }
+/// The adjoint of input k is that of the output as it is.
+inline bool hands_on(const Info* op, int k) {
+  return op == &info<op::Add> || (op == &info<op::Sub> && k == 0) || (op == &info<op::MulAdd> && k == 2) ||
+         (op == &info<op::SubMul> && k == 2);
+}
 
 }  // namespace detail
 
@@ -126,110 +175,107 @@ class Replay {
 public:
   /// One a thread; kept between tiles and calls.
   struct State {
-    std::vector<Lanes, std::allocator<Lanes>> memory;
-    float *v = nullptr, *d = nullptr;
+    std::vector<Lanes> memory;
+    float* m = nullptr;
+    std::vector<float*> frames;  // of each loop's first turn
   };
 
   /// image: the outputs are wanted; gradient: their adjoints go back.
   Replay(Recording recording, bool image, bool gradient) : r(std::move(recording)), with_image(image), with_gradient(gradient) {
     detail::fuse(r);
     duty.resize(r.nodes.size());
-    make_plan(r, duty, gradient, Turns::again, image);
+    const bool kept = gradient && best_turns(r, duty, image) == Turns::kept;
+    std::fill(duty.begin(), duty.end(), Duty{});
+    make_plan(r, duty, gradient, kept ? Turns::all : Turns::again, image);
+    value_at.assign(r.nodes.size(), -1);
+    adjoint_at.assign(r.nodes.size(), -1);
+    place_uniforms();
     schedule();
-    place_values();
-    for (int i = 0; i < size(); ++i)
-      if (!node(i).varying && duty[at(i)].adjoint) adjoint_at[at(i)] = adjoints, adjoints += lanes;
-    place_adjoints();
+    write_steps();
   }
   const Recording& recording() const { return r; }
-  int bytes_a_pixel() const { return (values + adjoints) / tile * 4; }
+  int bytes_a_pixel() const { return memory / detail::strip * 4; }
 
   void begin(State& s, const Environment& e) const {
-    const std::size_t need = std::size_t(values + adjoints) / lanes + 1;
-    if (s.memory.size() < need) s.memory.resize(need);
-    std::fill(s.memory.begin(), s.memory.begin() + std::ptrdiff_t(need), Lanes(0.0f));
-    s.v = reinterpret_cast<float*>(s.memory.data());
-    s.d = s.v + values;
+    std::size_t need = at(memory);
+    s.frames.resize(r.loops.size());
+    for (std::size_t l = 0; l < r.loops.size(); ++l) need += at(frame[l]) * at(e.lists[r.loops[l].list].count);
+    if (s.memory.size() < need / lanes + 1) s.memory.resize(need / lanes + 1);
+    s.m = reinterpret_cast<float*>(s.memory.data());
+    std::fill(s.m, s.m + memory, 0.0f);
+    float* to = s.m + memory;
+    for (std::size_t l = 0; l < r.loops.size(); ++l) {
+      s.frames[l] = to;
+      to += frame[l] * e.lists[r.loops[l].list].count;
+    }
     for (int i = 0; i < size(); ++i) {
       const Node& x = node(i);
       if (x.varying || x.kind == Kind::operation || x.kind == Kind::output || value_at[at(i)] < 0) continue;
       const float value = x.kind == Kind::parameter ? e.parameters[x.index] : x.kind == Kind::data ? e.data[x.index] : x.value;
-      Lanes(value).store(s.v + value_at[at(i)]);
+      Lanes(value).store(place(s, i));
     }
-    run(once, s, e, false);
+    for (const int i : once) {
+      const Node& x = node(i);
+      Lanes in[detail::max_inputs], out[detail::max_outputs];
+      for (int k = 0; k < x.op->inputs; ++k) in[k] = Lanes::load(place(s, x.in[at(k)]));
+      x.op->forward(in, out, x.op->reads ? e.resources[x.index] : nullptr);
+      for (int k = 0; k < x.op->outputs; ++k) out[k].store(place(s, i + k));
+    }
   }
   /// One tile from `pixel`. image: where the outputs go; d_image: their adjoints.
   void packet(State& s, const Environment& e, int pixel, float* const* image, const float* const* d_image) const {
-    for (const int i : fields) std::memcpy(s.v + value_at[at(i)], e.pixels[node(i).index] + pixel, tile * 4);
-    for (const Block& b : forth) {
-      if (b.loop < 0) {
-        run(b.steps, s, e, false);
-        continue;
-      }
-      const Loop& loop = r.loops[at(b.loop)];
-      for (const auto& [sum, term, stride] : b.sums) std::memset(s.v + sum, 0, tile * 4);
-      for (int t = 0; t < e.lists[loop.list].count; ++t) {
-        items(b, s, e, t);
-        run(b.steps, s, e, false);
-        for (const auto& [sum, term, stride] : b.sums) add_tile(s.v + sum, s.v + term, stride);
-      }
-    }
-    if (with_image)
-      for (std::size_t c = 0; c < r.outputs.size(); ++c)
-        for (int k = 0; k < tile; k += lanes)
-          Lanes::load(s.v + value_at[at(r.outputs[c])] + (node(r.outputs[c]).varying ? k : 0)).store(image[c] + pixel + k);
-    if (!with_gradient) return;
-    for (const int a : zeroed) std::memset(s.d + a, 0, tile * 4);
-    for (std::size_t c = 0; c < r.outputs.size(); ++c) {
-      const int a = adjoint_at[at(r.outputs[c])];
-      if (a < 0) continue;
-      const bool varying = node(r.outputs[c]).varying;
-      for (int k = 0; k < tile; k += lanes) {
-        float* const to = s.d + a + (varying ? k : 0);
-        (Lanes::load(to) + Lanes::load(d_image[c] + pixel + k)).store(to);
-      }
-    }
-    for (const Block& b : back) {
-      if (b.loop < 0) {
-        run(b.steps, s, e, true);
-        continue;
-      }
-      for (const int a : b.clear) std::memset(s.d + a, 0, tile * 4);
-      for (int t = 0; t < e.lists[r.loops[at(b.loop)].list].count; ++t) {
-        items(b, s, e, t);
-        run(b.turn, s, e, false);
-        for (const auto& [term, sum, mode] : b.sums)
-          if (mode == 1) std::memcpy(s.d + term, s.d + sum, tile * 4);
-          else add_tile(s.d + term, s.d + sum, lanes);
-        run(b.steps, s, e, true);
-      }
-    }
-    for (const int i : planes) std::memcpy(e.d_pixels[node(i).index] + pixel, s.d + adjoint_at[at(i)], tile * 4);
+    for (int p = pixel; p < pixel + tile; p += detail::strip) play(s, e, p, image, d_image);
   }
-  void end(State& s, const Environment& e) const { run(last, s, e, true); }
+  void end(State& s, const Environment& e) const {
+    for (const int i : last) {
+      const Node& x = node(i);
+      Lanes in[detail::max_inputs], out[detail::max_outputs], d_in[detail::max_inputs], d_out[detail::max_outputs];
+      for (int k = 0; k < x.op->inputs; ++k) in[k] = Lanes::load(place(s, x.in[at(k)]));
+      for (int k = 0; k < x.op->outputs; ++k) {
+        out[k] = Lanes::load(place(s, i + k));
+        d_out[k] = adjoint_at[at(i + k)] >= 0 ? Lanes::load(s.m + adjoint_at[at(i + k)]) : Lanes(0.0f);
+      }
+      x.op->backward(in, out, d_out, d_in, x.op->reads ? e.resources[x.index] : nullptr, x.scatters ? e.scatters + x.index : nullptr);
+      for (int k = 0; k < x.op->inputs; ++k) {
+        if (!duty[at(i)].mode[at(k)]) continue;
+        float* const to = s.m + adjoint_at[at(x.in[at(k)])];
+        (Lanes::load(to) + d_in[k]).store(to);
+      }
+    }
+  }
   /// The adjoint of parameter node `id`, after end().
   float d_parameter(const State& s, int id) const {
     const int a = adjoint_at[at(id)];
-    return a < 0 ? 0 : Lanes::load(s.d + a).sum();
+    return a < 0 ? 0 : Lanes::load(s.m + a).sum();
   }
 
 private:
   using Steps = std::vector<detail::Step>;
+  struct Move {
+    int from, to, how;
+  };
+  /// A stretch of steps without a loop, or one loop.
   struct Block {
     int loop = -1;
-    std::vector<int> nodes, turn_nodes, item_nodes;
-    Steps steps, turn;
-    std::vector<std::array<int, 3>> sums;  // forth: sum, term, stride of the term; back: d term, d sum, mode
-    std::vector<int> clear;                // adjoints that a loop adds to from zero
-    std::vector<std::pair<int, int>> fields;  // of the items: where, which
+    bool back = false;
+    std::vector<int> again, nodes;           // what a turn of the way back does again; what is done
+    Steps steps;
+    std::vector<Move> sums;                  // values: term to sum; adjoints: sum to term
+    std::vector<int> clear;                  // strips that a loop adds to from zero
+    std::vector<std::pair<int, int>> items;  // where, which field
+    std::size_t steps_again = 0;
   };
   Recording r;
   bool with_image, with_gradient;
   std::vector<Duty> duty;
-  std::vector<int> value_at, adjoint_at, fields, planes, once_nodes, last_nodes, zeroed;
-  std::vector<Block> forth, back;
-  Steps once, last;
-  int values = 0, adjoints = 0;
+  std::vector<int> value_at, adjoint_at;  // operands
+  std::vector<int> fields, once, last, more, frame;
+  std::vector<Block> blocks;
+  std::size_t first_back = 0;
+  std::vector<Move> field_moves, plane_moves;
+  std::vector<int> zeroed, outputs_at;  // adjoints of the outputs: those that begin here; all
+  int memory = 0;
+  std::vector<int> free;
 
   static std::size_t at(int i) { return std::size_t(i); }
   int size() const { return int(r.nodes.size()); }
@@ -239,55 +285,73 @@ private:
       if (duty[at(i + k)].*flag) return true;
     return false;
   }
+  float* place(State& s, int i) const { return s.m + detail::offset(value_at[at(i)]); }
+  int packet_room() {
+    memory += lanes;
+    return memory - lanes;
+  }
+  int strip_room() {
+    if (free.empty()) {
+      memory += detail::strip;
+      return memory - detail::strip;
+    }
+    const int room = free.back();
+    free.pop_back();
+    return room;
+  }
+
+  /// Room for what is the same for all pixels or all pixels of a turn, and in the frames.
+  void place_uniforms() {
+    frame.assign(r.loops.size(), 0);
+    for (int i = 0; i < size(); ++i) {
+      const Node& x = node(i);
+      if (!x.varying || x.kind == Kind::item) {
+        value_at[at(i)] = packet_room() | detail::uniform;
+        if (!x.varying && duty[at(i)].adjoint) adjoint_at[at(i)] = packet_room();
+      } else if (duty[at(i)].kept) {
+        value_at[at(i)] = frame[at(x.loop)] | detail::framed;
+        frame[at(x.loop)] += detail::strip;
+      }
+    }
+  }
 
   /// Which nodes are done in which block, in order.
   void schedule() {
     const int n = size();
-    const auto straight = [](std::vector<Block>& v) -> Block& {
-      if (v.empty() || v.back().loop >= 0) v.emplace_back();
-      return v.back();
+    const auto straight = [&](bool back) -> Block& {
+      if (blocks.size() == (back ? first_back : 0) || blocks.back().loop >= 0) blocks.emplace_back().back = back;
+      return blocks.back();
     };
     for (int i = 0; i < n; ++i) {
       const Node& x = node(i);
       if (x.kind == Kind::pixel && duty[at(i)].forward) fields.push_back(i);
-      if (x.kind == Kind::pixel && duty[at(i)].adjoint && x.active) planes.push_back(i);
       if (x.kind == Kind::sum && r.loops[at(x.loop)].first_sum == i) {
         Block b;
         b.loop = x.loop;
         const Loop& loop = r.loops[at(x.loop)];
         bool wanted = false;
         for (int k = 0; k < loop.sums; ++k) wanted |= duty[at(i + k)].forward;
-        if (!wanted) continue;
-        for (int j = loop.begin; j < loop.end; ++j) {
-          if (!in_body(r, j)) continue;
-          if (node(j).kind == Kind::operation && any(j, &Duty::forward)) b.nodes.push_back(j);
-          if (node(j).kind == Kind::item && duty[at(j)].forward) b.item_nodes.push_back(j);
-        }
-        forth.push_back(b);
-      }
-      if (x.kind != Kind::operation || in_body(r, i) || !any(i, &Duty::forward)) continue;
-      if (x.varying) straight(forth).nodes.push_back(i);
-      else once_nodes.push_back(i);
+        for (int j = loop.begin; j < loop.end; ++j)
+          if (in_body(r, j) && node(j).kind == Kind::operation && any(j, &Duty::forward)) b.nodes.push_back(j);
+        if (wanted || !b.nodes.empty()) blocks.push_back(std::move(b));
+      } else if (x.kind == Kind::operation && !in_body(r, i) && any(i, &Duty::forward))
+        (x.varying ? straight(false).nodes : once).push_back(i);
     }
+    first_back = blocks.size();
     for (int i = n - 1; with_gradient && i >= 0; --i) {
       const Node& x = node(i);
       if (in_body(r, i)) continue;
       if (x.kind == Kind::sum && r.loops[at(x.loop)].first_sum == i) {
         Block b;
         b.loop = x.loop;
+        b.back = true;
         const Loop& loop = r.loops[at(x.loop)];
-        for (int j = loop.begin; j < loop.end; ++j) {
-          if (!in_body(r, j)) continue;
-          if (node(j).kind == Kind::operation && any(j, &Duty::turn)) b.turn_nodes.push_back(j);
-          if (node(j).kind == Kind::item && duty[at(j)].turn) b.item_nodes.push_back(j);
-        }
+        for (int j = loop.begin; j < loop.end; ++j)
+          if (in_body(r, j) && node(j).kind == Kind::operation && any(j, &Duty::turn)) b.again.push_back(j);
         for (int j = loop.end - 1; j >= loop.begin; --j)
           if (in_body(r, j) && duty[at(j)].back) b.nodes.push_back(j);
-        back.push_back(b);
-      } else if (duty[at(i)].back) {
-        if (x.varying) straight(back).nodes.push_back(i);
-        else last_nodes.push_back(i);
-      }
+        blocks.push_back(std::move(b));
+      } else if (duty[at(i)].back) (x.varying ? straight(true).nodes : last).push_back(i);
     }
   }
 
@@ -302,221 +366,269 @@ private:
     for (int k = 0; k < x.op->outputs; ++k)
       if (bits >> (x.op->inputs + k) & 1) f(i + k);
   }
-  /// Gives every value its room, and the steps their offsets; room is used again once its value is read no more.
-  void place_values() {
-    value_at.assign(r.nodes.size(), -1);
-    adjoint_at.assign(r.nodes.size(), -1);
-    std::vector<int> last_use(r.nodes.size(), -1), free;
-    // A time for every step; what a loop reads from outside is read until its end.
-    int time = 0;
-    const auto blocks = [&](auto&& field, auto&& forward_step, auto&& backward_step, auto&& block_end) {
-      time = 0;
-      field();
-      for (Block& b : forth) {
-        for (const int i : b.nodes) forward_step(i, b, false), ++time;
-        block_end(b, false), ++time;
-      }
-      ++time;  // the outputs are read
-      for (Block& b : back) {
-        for (const int i : b.turn_nodes) forward_step(i, b, true), ++time;
-        for (const int i : b.nodes) backward_step(i, b), ++time;
-        block_end(b, true), ++time;
-      }
-    };
-    std::vector<int> outside;  // read by the open loop, defined before it
-    const auto use = [&](int i, const Block& b) {
-      last_use[at(i)] = std::max(last_use[at(i)], time);
-      if (b.loop >= 0 && !in_body(r, i)) outside.push_back(i);
-    };
-    // Body values live in one block at a time: those of the way forth and those of a turn are told apart by block.
-    std::vector<std::vector<int>> body_last;  // per block in order: last use of each body node
-    const auto each_block_use = [&] {
-      blocks([] {},
-             [&](int i, const Block& b, bool) {
-               for (int k = 0; k < node(i).op->inputs; ++k) use(node(i).in[at(k)], b);
-               for (int k = 0; k < node(i).op->outputs; ++k) use(i + k, b);
-             },
-             [&](int i, const Block& b) { read_back(i, [&](int j) { use(j, b); }); },
-             [&](const Block& b, bool gradient) {
-               if (b.loop < 0) return;
-               const Loop& loop = r.loops[at(b.loop)];
-               if (!gradient)
-                 for (int s = loop.first_sum; s < loop.first_sum + loop.sums; ++s)
-                   if (duty[at(s)].forward) {
-                     last_use[at(node(s).in[0])] = time;
-                     last_use[at(s)] = std::max(last_use[at(s)], time);
-                   }
-               for (const int i : outside) last_use[at(i)] = std::max(last_use[at(i)], time);
-               outside.clear();
-               std::vector<int> body(last_use.begin() + loop.begin, last_use.begin() + loop.end);
-               body_last.push_back(std::move(body));
-               for (int j = loop.begin; j < loop.end; ++j)
-                 if (in_body(r, j)) last_use[at(j)] = -1;
-             });
-    };
-    each_block_use();
-    int end_of_forth = 0;
-    for (const Block& b : forth) end_of_forth += int(b.nodes.size()) + 1;
-    if (with_image)
-      for (const int o : r.outputs) last_use[at(o)] = std::max(last_use[at(o)], end_of_forth);
 
-    const auto uniform = [&](int i) {
-      if (value_at[at(i)] < 0) value_at[at(i)] = values, values += lanes;
-    };
-    for (int i = 0; i < size(); ++i)
-      if (!node(i).varying && (duty[at(i)].forward || duty[at(i)].turn || duty[at(i)].adjoint || node(i).kind == Kind::constant)) uniform(i);
-    std::vector<std::pair<int, int>> ends;  // last use, node: room in use
-    const auto room = [&](int i, int until) {
-      if (!node(i).varying) return uniform(i);
-      if (node(i).kind == Kind::item) {
-        value_at[at(i)] = values, values += lanes;
-        return;
-      }
-      if (free.empty()) {
-        free.push_back(values);
-        values += tile;
-      }
-      value_at[at(i)] = free.back();
-      free.pop_back();
-      ends.push_back({until, value_at[at(i)]});
-    };
-    const auto release = [&] {
-      for (std::size_t k = 0; k < ends.size();)
-        if (ends[k].first <= time) {
-          free.push_back(ends[k].second);
-          ends[k] = ends.back();
-          ends.pop_back();
-        } else ++k;
-    };
-    std::size_t block = 0;
-    const auto open = [&](Block& b, bool gradient) {
-      if (b.loop < 0) return;
-      const Loop& loop = r.loops[at(b.loop)];
-      for (int j = loop.begin; j < loop.end; ++j)
-        if (in_body(r, j)) {
-          last_use[at(j)] = body_last[block][at(j - loop.begin)];
-          value_at[at(j)] = -1;
-        }
-      ++block;
-      for (const int i : b.item_nodes) room(i, -1), b.fields.push_back({value_at[at(i)], node(i).index});
-      if (!gradient)
-        for (int s = loop.first_sum; s < loop.first_sum + loop.sums; ++s)
-          if (duty[at(s)].forward) room(s, last_use[at(s)]);
-    };
-    const auto forward_step = [&](int i, Steps& to) {
-      for (int k = 0; k < node(i).op->outputs; ++k) room(i + k, last_use[at(i + k)]);
-      to.push_back(step(i));
-      release();
-    };
-    // The same walk again, now with room. Blocks are opened at their first step.
-    time = 0;
-    for (const int i : fields) room(i, last_use[at(i)]);
-    for (const int i : once_nodes) {
-      for (int k = 0; k < node(i).op->outputs; ++k) uniform(i + k);
-      once.push_back(step(i));
+  /// What is done one after another: nodes forth or back, a block's begin and end; the start and the turning point.
+  struct Task {
+    enum { start, open, forth, back, close, turn } what;
+    int block = -1, node = -1;
+  };
+  std::vector<Task> tasks() const {
+    std::vector<Task> t{{Task::start}};
+    for (std::size_t b = 0; b <= blocks.size(); ++b) {
+      if (b == first_back) t.push_back({Task::turn});
+      if (b == blocks.size()) break;
+      t.push_back({Task::open, int(b)});
+      for (const int i : blocks[b].again) t.push_back({Task::forth, int(b), i});
+      for (const int i : blocks[b].nodes) t.push_back({blocks[b].back ? Task::back : Task::forth, int(b), i});
+      t.push_back({Task::close, int(b)});
     }
-    for (Block& b : forth) {
-      open(b, false);
-      for (const int i : b.nodes) forward_step(i, b.steps), ++time;
-      if (b.loop >= 0) {
-        const Loop& loop = r.loops[at(b.loop)];
-        for (int s = loop.first_sum; s < loop.first_sum + loop.sums; ++s)
-          if (duty[at(s)].forward) {
-            const int term = node(s).in[0];
-            b.sums.push_back({value_at[at(s)], value_at[at(term)], stride(term)});
-          }
-      }
-      release(), ++time;
-    }
-    release(), ++time;
-    for (Block& b : back) {
-      open(b, true);
-      for (const int i : b.turn_nodes) forward_step(i, b.turn), ++time;
-      for (const int i : b.nodes) {
-        b.steps.push_back(step(i));
-        release(), ++time;
-      }
-      release(), ++time;
-    }
-    for (const int i : last_nodes) last.push_back(step(i));
+    return t;
   }
-  int stride(int i) const { return node(i).varying && node(i).kind != Kind::item ? lanes : 0; }
-  detail::Step step(int i) const {
-    const Node& x = node(i);
+  template <class F> void each_sum(const Block& b, F f) const {
+    const Loop& loop = r.loops[at(b.loop)];
+    for (int s = loop.first_sum; s < loop.first_sum + loop.sums; ++s) f(s);
+  }
+  template <class F> void reads(const Task& t, F f) const {
+    if (t.what == Task::forth)
+      for (int k = 0; k < node(t.node).op->inputs; ++k) f(node(t.node).in[at(k)]);
+    if (t.what == Task::back) read_back(t.node, f);
+    if (t.what == Task::turn && with_image)
+      for (const int o : r.outputs) f(o);
+    if (t.what != Task::close || blocks[at(t.block)].loop < 0) return;
+    const Block& b = blocks[at(t.block)];
+    if (!b.back) each_sum(b, [&](int s) {
+      if (duty[at(s)].forward) f(s), f(node(s).in[0]);
+    });
+    // What the turns read from outside must last until the last of them.
+    for (const int i : b.again)
+      for (int k = 0; k < node(i).op->inputs; ++k)
+        if (!in_body(r, node(i).in[at(k)])) f(node(i).in[at(k)]);
+    for (const int i : b.nodes) {
+      const auto outside = [&](int j) {
+        if (!in_body(r, j)) f(j);
+      };
+      if (b.back) read_back(i, outside);
+      else
+        for (int k = 0; k < node(i).op->inputs; ++k) outside(node(i).in[at(k)]);
+    }
+  }
+  template <class F> void writes(const Task& t, F f) const {
+    if (t.what == Task::start)
+      for (const int i : fields) f(i);
+    if (t.what == Task::forth)
+      for (int k = 0; k < node(t.node).op->outputs; ++k) f(t.node + k);
+    if (t.what == Task::open && blocks[at(t.block)].loop >= 0 && !blocks[at(t.block)].back)
+      each_sum(blocks[at(t.block)], [&](int s) {
+        if (duty[at(s)].forward) f(s);
+      });
+  }
+  /// Has a strip that others may use before and after.
+  bool roomed(int i) const { return node(i).varying && node(i).kind != Kind::item && !duty[at(i)].kept; }
+
+  /// Writes all steps; room is taken at the first write and given back after the last read.
+  void write_steps() {
+    const std::vector<Task> todo = tasks();
+    std::vector<std::vector<int>> dies(todo.size());
+    std::vector<char> alive(r.nodes.size());
+    for (std::size_t t = todo.size(); t-- > 0;) {
+      const auto seen = [&](int i) {
+        if (roomed(i) && !alive[at(i)]) alive[at(i)] = true, dies[t].push_back(i);
+      };
+      reads(todo[t], seen);
+      writes(todo[t], seen);
+      writes(todo[t], [&](int i) { alive[at(i)] = false; });
+    }
+    for (std::size_t t = 0; t < todo.size(); ++t) {
+      writes(todo[t], [&](int i) {
+        if (roomed(i)) value_at[at(i)] = strip_room();
+      });
+      write(todo[t]);
+      for (const int i : dies[t]) free.push_back(value_at[at(i)]);
+    }
+    for (int i = 0; i < size(); ++i)
+      if (node(i).kind == Kind::pixel && node(i).active && duty[at(i)].adjoint) plane_moves.push_back({adjoint_at[at(i)], node(i).index, 0});
+  }
+  void write(const Task& t) {
+    if (t.what == Task::start)
+      for (const int i : fields) field_moves.push_back({node(i).index, value_at[at(i)], 0});
+    if (t.what == Task::turn && with_gradient)
+      for (const int o : r.outputs)
+        {
+          if (node(o).active && adjoint_at[at(o)] < 0) zeroed.push_back(adjoint(o));
+          outputs_at.push_back(node(o).active ? adjoint_at[at(o)] : -1);
+        }
+    if (t.block < 0) return;
+    Block& b = blocks[at(t.block)];
+    if (t.what == Task::open && b.loop >= 0) {
+      for (int i = r.loops[at(b.loop)].begin; i < r.loops[at(b.loop)].end; ++i)
+        if (node(i).kind == Kind::item) b.items.push_back({detail::offset(value_at[at(i)]), node(i).index});
+      if (b.back) open_back(b);
+    }
+    if (t.what == Task::forth) {
+      b.steps.push_back(forth(t.node));
+      if (b.back) b.steps_again = b.steps.size();
+    }
+    if (t.what == Task::back) back(b, t.node);
+    if (t.what == Task::close && b.loop >= 0) {
+      if (b.back)
+        each_sum(b, [&](int s) {
+          if (adjoint_at[at(s)] >= 0) free.push_back(adjoint_at[at(s)]);
+        });
+      else
+        each_sum(b, [&](int s) {
+          if (duty[at(s)].forward) b.sums.push_back({value_at[at(node(s).in[0])], value_at[at(s)], 0});
+        });
+    }
+  }
+  int adjoint(int i) {
+    if (adjoint_at[at(i)] < 0) adjoint_at[at(i)] = strip_room();
+    return adjoint_at[at(i)];
+  }
+  void open_back(Block& b) {
+    for (int i = 0; i < size(); ++i)
+      if (duty[at(i)].clear == b.loop + 1) b.clear.push_back(adjoint(i));
+    each_sum(b, [&](int s) {
+      const int term = node(s).in[0], mode = duty[at(s)].mode[0];
+      if (mode) b.sums.push_back({adjoint_at[at(s)], adjoint(term), node(term).varying ? mode : detail::summed});
+    });
+  }
+  detail::Step step(const std::vector<int>& operands) {
     detail::Step s;
-    s.op = x.op;
-    s.packets = (x.varying ? tile : lanes) / lanes;
-    if (x.op->reads) s.resource = x.index;
-    s.scatters = x.scatters;
-    for (int k = 0; k < x.op->outputs; ++k) s.y[at(k)] = std::max(0, value_at[at(i + k)]);
-    for (int k = 0; k < x.op->inputs; ++k) {
-      s.x[at(k)] = std::max(0, value_at[at(x.in[at(k)])]);
-      s.x_stride[at(k)] = stride(x.in[at(k)]);
-      s.mode[at(k)] = duty[at(i)].mode[at(k)];
+    if (operands.size() <= detail::Step::inlined) std::copy(operands.begin(), operands.end(), s.at);
+    else {
+      s.at[0] = int(more.size());
+      more.insert(more.end(), operands.begin(), operands.end());
     }
     return s;
   }
+  /// A value that a step names but does not read may have no room.
+  int operand(int i) const { return std::max(0, value_at[at(i)]); }
+  detail::Step forth(int i) {
+    const Node& x = node(i);
+    std::vector<int> o;
+    for (int k = 0; k < x.op->inputs; ++k) o.push_back(operand(x.in[at(k)]));
+    for (int k = 0; k < x.op->outputs; ++k) o.push_back(operand(i + k));
+    if (x.op->reads) o.push_back(x.index);
+    detail::Step s = step(o);
+    s.run = x.op->strip_forward;
+    return s;
+  }
+  void back(Block& b, int i) {
+    const Node& x = node(i);
+    const bool product = x.op == &info<op::MulAdd>;  // goes back as a product, and what is added as a sum
+    std::vector<int> d_y, d_x;
+    for (int k = 0; k < x.op->outputs; ++k) d_y.push_back(duty[at(i + k)].adjoint ? adjoint(i + k) : detail::absent);
+    bool handed = false;
+    for (int k = 0; k < x.op->inputs; ++k) {
+      const int mode = duty[at(i)].mode[at(k)], from = x.in[at(k)];
+      if (!mode) d_x.push_back(detail::none);
+      else if (!node(from).varying) d_x.push_back(adjoint_at[at(from)] | detail::summed);
+      else if (mode == detail::assigned && !handed && adjoint_at[at(from)] < 0 && detail::hands_on(x.op, k)) {
+        adjoint_at[at(from)] = adjoint_at[at(i)];
+        handed = true;
+        d_x.push_back(detail::none);
+      } else d_x.push_back(adjoint(from) | mode);
+    }
+    if (product) {
+      back_step(b, &info<op::Mul>, {operand(x.in[0]), operand(x.in[1]), operand(i)}, d_y, {d_x[0], d_x[1]});
+      back_step(b, &info<op::Add>, {operand(x.in[2]), 0, operand(i)}, d_y, {d_x[2], detail::none});
+    } else {
+      std::vector<int> o;
+      for (int k = 0; k < x.op->inputs; ++k) o.push_back(operand(x.in[at(k)]));
+      for (int k = 0; k < x.op->outputs; ++k) o.push_back(operand(i + k));
+      back_step(b, x.op, o, d_y, d_x, x.index, x.scatters);
+    }
+    for (int k = 0; k < x.op->outputs; ++k)
+      if (adjoint_at[at(i + k)] >= 0) {
+        if (!handed) free.push_back(adjoint_at[at(i + k)]);
+        adjoint_at[at(i + k)] = -1;
+      }
+  }
+  void back_step(Block& b, const Info* op, std::vector<int> o, const std::vector<int>& d_y, const std::vector<int>& d_x, int resource = 0,
+                 bool scatters = false) {
+    bool work = scatters;
+    int modes[detail::max_inputs] = {};
+    for (std::size_t k = 0; k < d_x.size(); ++k) modes[k] = d_x[k] & 3, work |= modes[k] != detail::none;
+    if (!work) return;
+    o.insert(o.end(), d_y.begin(), d_y.end());
+    o.insert(o.end(), d_x.begin(), d_x.end());
+    if (op->reads) o.push_back(resource), o.push_back(scatters);
+    b.steps.push_back(step(o));
+    b.steps.back().run = op->strip_backward(modes);
+  }
 
-  /// Adjoints get their room at the first write and lose it after their node's own step.
-  void place_adjoints() {
+  static void copy(float* to, const float* from, int stride = lanes) {
+    for (int k = 0; k < detail::strip; k += lanes, from += stride) Lanes::load(from).store(to + k);
+  }
+  static void add(float* to, const float* from, int stride = lanes) {
+    for (int k = 0; k < detail::strip; k += lanes, from += stride) (Lanes::load(to + k) + Lanes::load(from)).store(to + k);
+  }
+  static void zero(float* to) {
+    for (int k = 0; k < detail::strip; k += lanes) Lanes(0.0f).store(to + k);
+  }
+  static void add_up(float* to, const float* from) {
+    Lanes sum = Lanes::load(to);
+    for (int k = 0; k < detail::strip; k += lanes) sum += Lanes::load(from + k);
+    sum.store(to);
+  }
+  static int stride(int operand) { return operand & detail::uniform ? 0 : lanes; }
+  void run(const detail::Step* first, const detail::Step* end, float* m, float* turn, const Environment& e) const {
+    for (const int* const rest = more.data(); first != end; ++first) first->run(*first, m, turn, rest, e);
+  }
+  void play(State& s, const Environment& e, int pixel, float* const* image, const float* const* d_image) const {
+    float* const m = s.m;
+    for (const auto& f : field_moves) copy(m + f.to, e.pixels[f.from] + pixel);
+    for (std::size_t i = 0; i < first_back; ++i) {
+      const Block& b = blocks[i];
+      if (b.loop < 0) {
+        run(b.steps.data(), b.steps.data() + b.steps.size(), m, nullptr, e);
+        continue;
+      }
+      for (const auto& f : b.sums) zero(m + f.to);
+      float* turn = s.frames[at(b.loop)];
+      for (int t = 0, count = e.lists[r.loops[at(b.loop)].list].count; t < count; ++t, turn += frame[at(b.loop)]) {
+        take_items(b, m, e, t);
+        run(b.steps.data(), b.steps.data() + b.steps.size(), m, turn, e);
+        for (const auto& f : b.sums) add(m + f.to, (f.from & detail::framed ? turn : m) + detail::offset(f.from), stride(f.from));
+      }
+    }
+    if (with_image)
+      for (std::size_t c = 0; c < r.outputs.size(); ++c) {
+        const int from = value_at[at(r.outputs[c])];
+        copy(image[c] + pixel, m + detail::offset(from), stride(from));
+      }
     if (!with_gradient) return;
-    std::vector<int> free;
-    const auto room = [&](int i) {
-      if (adjoint_at[at(i)] < 0) {
-        if (free.empty()) free.push_back(adjoints), adjoints += tile;
-        adjoint_at[at(i)] = free.back();
-        free.pop_back();
-      }
-      return adjoint_at[at(i)];
-    };
-    for (const int o : r.outputs)
-      if (node(o).active) {
-        const bool fresh = adjoint_at[at(o)] < 0;
-        const int a = room(o);
-        if (fresh) zeroed.push_back(a);
-      }
-    const auto bind = [&](detail::Step& s, int i) {
-      const Node& x = node(i);
-      for (int k = 0; k < x.op->outputs; ++k) s.d_y[at(k)] = duty[at(i + k)].adjoint ? room(i + k) : -1;
-      for (int k = 0; k < x.op->inputs; ++k)
-        if (s.mode[at(k)]) s.d_x[at(k)] = room(x.in[at(k)]);
-      if (x.varying)
-        for (int k = 0; k < x.op->outputs; ++k)
-          if (adjoint_at[at(i + k)] >= 0) free.push_back(adjoint_at[at(i + k)]);
-    };
-    for (Block& b : back) {
-      if (b.loop >= 0) {
-        const Loop& loop = r.loops[at(b.loop)];
-        for (int j = 0; j < size(); ++j)
-          if (duty[at(j)].clear == b.loop + 1) b.clear.push_back(room(j));
-        for (int s = loop.first_sum; s < loop.first_sum + loop.sums; ++s)
-          if (const int mode = duty[at(s)].mode[0]) b.sums.push_back({room(node(s).in[0]), adjoint_at[at(s)], mode});
-      }
-      for (std::size_t k = 0; k < b.nodes.size(); ++k) bind(b.steps[k], b.nodes[k]);
+    for (const int a : zeroed) zero(m + a);
+    for (std::size_t c = 0; c < outputs_at.size(); ++c) {
+      if (outputs_at[c] < 0) continue;
+      if (node(r.outputs[c]).varying) add(m + outputs_at[c], d_image[c] + pixel);
+      else add_up(m + outputs_at[c], d_image[c] + pixel);
     }
-    for (std::size_t k = 0; k < last_nodes.size(); ++k) bind(last[k], last_nodes[k]);
-  }
-
-  void run(const Steps& steps, State& t, const Environment& e, bool backward) const {
-    for (const detail::Step& s : steps) {
-      const detail::Step* p = &s;
-      detail::Step with_data;
-      if (s.resource >= 0) {
-        with_data = s;
-        with_data.data = e.resources[s.resource];
-        with_data.scatter = s.scatters ? e.scatters + s.resource : nullptr;
-        p = &with_data;
+    for (std::size_t i = first_back; i < blocks.size(); ++i) {
+      const Block& b = blocks[i];
+      const detail::Step* const steps = b.steps.data();
+      if (b.loop < 0) {
+        run(steps, steps + b.steps.size(), m, nullptr, e);
+        continue;
       }
-      if (backward) s.op->tile_backward(*p, t.v, t.d);
-      else s.op->tile_forward(*p, t.v);
+      for (const int a : b.clear) zero(m + a);
+      float* turn = s.frames[at(b.loop)];
+      for (int t = 0, count = e.lists[r.loops[at(b.loop)].list].count; t < count; ++t, turn += frame[at(b.loop)]) {
+        take_items(b, m, e, t);
+        run(steps, steps + b.steps_again, m, turn, e);
+        for (const auto& f : b.sums) {
+          if (f.how == detail::assigned) copy(m + f.to, m + f.from);
+          else if (f.how == detail::added) add(m + f.to, m + f.from);
+          else add_up(m + f.to, m + f.from);
+        }
+        run(steps + b.steps_again, steps + b.steps.size(), m, turn, e);
+      }
     }
+    for (const auto& f : plane_moves) copy(e.d_pixels[f.to] + pixel, m + f.from);
   }
-  void items(const Block& b, State& s, const Environment& e, int turn) const {
+  void take_items(const Block& b, float* m, const Environment& e, int turn) const {
     const FlatList& list = e.lists[r.loops[at(b.loop)].list];
-    for (const auto& [to, field] : b.fields) Lanes(list.values[turn * list.fields + field]).store(s.v + to);
-  }
-  static void add_tile(float* to, const float* from, int from_stride) {
-    for (int k = 0; k < tile; k += lanes, from += from_stride) (Lanes::load(to + k) + Lanes::load(from)).store(to + k);
+    for (const auto& [to, field] : b.items) Lanes(list.values[turn * list.fields + field]).store(m + to);
   }
 };
 
