@@ -21,7 +21,8 @@ Image noise(int width, int height, int sun = 0) {
 vec3<double> energy(const Image& p) {
   vec3<double> sum;
   for (int y = 0; y < p.height; ++y) {
-    const double area = (std::cos(half_turn * y / p.height) - std::cos(half_turn * (y + 1) / p.height)) * 2 * half_turn / p.width;
+    const double area =
+        (std::cos(half_turn * y / p.height) - std::cos(half_turn * (y + 1) / p.height)) * 2 * half_turn / p.width;
     for (int x = 0; x < p.width; ++x) sum += vec3<double>(p.at(x, y)) * area;
   }
   return sum;
@@ -90,14 +91,16 @@ TEST_CASE("EnvironmentLight: yaw turns suns and map alike, -Z towards -X", "[lig
   const Pyramid a(straight), b(yawed);
   REQUIRE(straight.suns.size() == yawed.suns.size());
   for (std::size_t i = 0; i < straight.suns.size(); ++i) {
-    const vec3<double> d = turned(vec3<double>(straight.suns[i].direction), double(yawed.yaw)) - vec3<double>(yawed.suns[i].direction);
+    const vec3<double> d =
+        turned(vec3<double>(straight.suns[i].direction), double(yawed.yaw)) - vec3<double>(yawed.suns[i].direction);
     CHECK(length(d) < 1e-6);
   }
   std::mt19937 random(2);
   for (int i = 0; i < 200; ++i) {
     const vec3<double> d = random_direction(random);
     const float variance = i % 2 ? 0.0f : 0.002f;
-    CHECK(b.fetch(narrow(turned(d, double(yawed.yaw))), variance).x == Approx(a.fetch(narrow(d), variance).x).margin(1e-3));
+    CHECK(b.fetch(narrow(turned(d, double(yawed.yaw))), variance).x ==
+          Approx(a.fetch(narrow(d), variance).x).margin(1e-3));
   }
 }
 

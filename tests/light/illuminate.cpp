@@ -14,7 +14,9 @@ const Radiance constant = [](const vec3<double>&) { return 1.0; };
 const Radiance cosine = [](const vec3<double>& d) { return 1 + 0.6 * d.y + 0.3 * d.x; };
 const Radiance blob = [](const vec3<double>& d) { return 0.1 + 5 * std::exp((dot(d, bright) - 1) / 0.09); };
 
-EnvironmentLight light_of(const Radiance& L, int height = 128) { return EnvironmentLight(reference::panorama(L, height), 0, false); }
+EnvironmentLight light_of(const Radiance& L, int height = 128) {
+  return EnvironmentLight(reference::panorama(L, height), 0, false);
+}
 /// F0 A + B of the table.
 constexpr float f0 = 0.04f;
 double specular(const Illumination& light, int i, double r) {
@@ -71,7 +73,8 @@ TEST_CASE("Illumination: under an even sky A + B is the directional albedo, and 
     for (int i = 0; i < s.size(); ++i) {
       double y[12];
       light.table(double(i), r, 12, y);
-      const auto truth = reference::specular(constant, reference::unit_of(s.at(i).normal), reference::unit_of(s.at(i).view), r, 1 << 12);
+      const auto truth = reference::specular(constant, reference::unit_of(s.at(i).normal),
+                                             reference::unit_of(s.at(i).view), r, 1 << 12);
       CAPTURE(r, i);
       CHECK(y[0] + y[3] == Approx(truth[0] + truth[1]).epsilon(0.011));
       CHECK(y[6] + y[9] == Approx(truth[2] + truth[3]).margin(0.006));
@@ -117,7 +120,8 @@ TEST_CASE("Illumination: irradiances are those of the hemisphere's quadrature", 
   }
 }
 
-TEST_CASE("Illumination: between its knots the table is within 0.2 % of the rings at that very roughness", "[light][value]") {
+TEST_CASE("Illumination: between its knots the table is within 0.2 % of the rings at that very roughness",
+          "[light][value]") {
   const Surfels s(16, 0.1);
   const EnvironmentLight e = light_of(blob);
   const Illumination light(e, s);
@@ -143,7 +147,8 @@ TEST_CASE("Illumination: between its knots the table is within 0.2 % of the ring
     }
 }
 
-TEST_CASE("Illumination: value and slope join without a step at the knots and end at the range's ends", "[light][limit]") {
+TEST_CASE("Illumination: value and slope join without a step at the knots and end at the range's ends",
+          "[light][limit]") {
   const Surfels s(16, 0.1);
   const Illumination light(light_of(blob, 64), s);
   const double first = std::pow(0.02, 0.25), step = (1 - first) / (Illumination::knots - 1);
@@ -202,7 +207,8 @@ TEST_CASE("Illumination: the same bits for any number of threads", "[light][agre
   CHECK(std::memcmp(one.data(), five.data(), one.size() * sizeof(float)) == 0);
 }
 
-TEST_CASE("LightTable: floats, packets and doubles read one value, neighbours and strangers alike", "[light][agreement]") {
+TEST_CASE("LightTable: floats, packets and doubles read one value, neighbours and strangers alike",
+          "[light][agreement]") {
   const Surfels s(40, 0.1);
   const Illumination light(EnvironmentLight(soft_with_sun()), s);
   Random random(3);
@@ -238,7 +244,8 @@ TEST_CASE("LightTable: one value in every number, and right slopes by roughness"
   // Edges: the knots, where the second slope jumps, and the range's ends; drawn off them.
   static const LightOf<float> light(EnvironmentLight(soft_with_sun(), 0, false), Surfels(40, 0.1));
   holds(
-      [](const auto& i, const auto& r, const auto& strength) {  // strength: what a flat stretch's slope is compared with
+      [](const auto& i, const auto& r,
+         const auto& strength) {  // strength: what a flat stretch's slope is compared with
         using T = std::remove_cvref_t<decltype(r)>;
         const auto y = apply<LightTable<12>>(as<T>(light), floor(i), r);
         T sum = 0.0f;
@@ -253,7 +260,8 @@ TEST_CASE("LightTable: one value in every number, and right slopes by roughness"
       2e-5, 1e-2, 1e-3);
 }
 
-TEST_CASE("illuminate: sky and suns on a layered surface are the integral of brdf_cos over the sphere", "[light][value]") {
+TEST_CASE("illuminate: sky and suns on a layered surface are the integral of brdf_cos over the sphere",
+          "[light][value]") {
   // The independent path: a midpoint rule over directions for the sky, and for the sun over its own disc.
   const EnvironmentLight e = [] {
     EnvironmentLight x = light_of(blob);
@@ -277,7 +285,8 @@ TEST_CASE("illuminate: sky and suns on a layered surface are the integral of brd
       const reference::Frame f(n);
       for (int a = 0; a < steps; ++a)
         for (int b = 0; b < 4 * steps; ++b) {
-          const double c = (a + 0.5) / steps, q = std::sqrt(1 - c * c), phi = 2 * reference::pi * (b + 0.5) / (4 * steps);
+          const double c = (a + 0.5) / steps, q = std::sqrt(1 - c * c),
+                       phi = 2 * reference::pi * (b + 0.5) / (4 * steps);
           const vec3<double> l = f.world(q * std::cos(phi), q * std::sin(phi), c);
           truth += brdf_cos(surface, n, v, l) * (blob(l) * 2 * reference::pi / (4.0 * steps * steps));
         }
@@ -288,7 +297,8 @@ TEST_CASE("illuminate: sky and suns on a layered surface are the integral of brd
         const vec3<double> l = normalize(disc.world(d * std::cos(a), d * std::sin(a), 1));
         truth += brdf_cos(surface, n, v, l) * vec3<double>(sun.power) / 256.0;
       }
-      const vec3<float> found = illuminate(lift<float>(surface), at(s, i), light, List<Sun, float>{e.suns}, LightStrength<float>{});
+      const vec3<float> found =
+          illuminate(lift<float>(surface), at(s, i), light, List<Sun, float>{e.suns}, LightStrength<float>{});
       CAPTURE(r, i);
       CHECK(found.x == Approx(truth.x).epsilon(0.02));
       CHECK(found.y == Approx(truth.y).epsilon(0.02));
@@ -343,7 +353,11 @@ TEST_CASE("illuminate: one value in every number, and right slopes by surface an
           surface.coat_roughness = off_knots(0.1, 0.6);
           do surface.specular_roughness = between(random, 0.1, 0.6);
           while ([&] {
-            const double place = (std::pow(coated_roughness(surface.specular_roughness, surface.coat_roughness, surface.coat_weight), 0.25) - first) / step;
+            const double place =
+                (std::pow(coated_roughness(surface.specular_roughness, surface.coat_roughness, surface.coat_weight),
+                          0.25) -
+                 first) /
+                step;
             return std::abs(place - std::round(place)) < 0.1;
           }());
           surface.geometry_normal = surface.geometry_coat_normal = {0, 0, 1};

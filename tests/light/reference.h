@@ -1,4 +1,4 @@
-// tests/light/reference.h -- integrals of light against GGX by brute force in double: the independent path of these tests
+// tests/light/reference.h -- light against GGX integrated by brute force in double: the independent path of these tests
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <cmath>
@@ -22,22 +22,24 @@ inline double smith(double a2, double nl, double nv) {
   return 0.5 / (nl * std::sqrt(a2 + (1 - a2) * nv * nv) + nv * std::sqrt(a2 + (1 - a2) * nl * nl));
 }
 
-/// int L D V nl {1 - x(vh), x(vh), x(nl) (1 - x(vh)), x(nl) x(vh)} over directions l, for a scalar L: half vectors drawn from
-/// the distribution of normals itself, stratified in the polar angle, a golden spiral in azimuth.
-template <class L>
-std::array<double, 4> specular(L radiance, const vec3<double>& n, const vec3<double>& v, double roughness, int samples) {
+/// int L D V nl {1 - x(vh), x(vh), x(nl) (1 - x(vh)), x(nl) x(vh)} over directions l, for a scalar L: half vectors
+/// drawn from the distribution of normals itself, stratified in the polar angle, a golden spiral in azimuth.
+template <class L> std::array<double, 4> specular(L radiance, const vec3<double>& n, const vec3<double>& v,
+                                                  double roughness, int samples) {
   const Frame f(n);
   const double a2 = std::pow(roughness, 4), nv = dot(n, v);
   std::array<double, 4> sum{};
   for (int i = 0; i < samples; ++i) {
-    const double u = (i + 0.5) / samples, t2 = a2 * u / (1 - u), hz = 1 / std::sqrt(1 + t2), angle = 2.399963229728653 * i;
+    const double u = (i + 0.5) / samples, t2 = a2 * u / (1 - u), hz = 1 / std::sqrt(1 + t2),
+                 angle = 2.399963229728653 * i;
     const vec3<double> h = f.world(std::sqrt(t2) * hz * std::cos(angle), std::sqrt(t2) * hz * std::sin(angle), hz);
     const double vh = dot(v, h);
     if (vh <= 0) continue;
     const vec3<double> l = h * (2 * vh) - v;
     const double nl = dot(n, l);
     if (nl <= 0) continue;
-    const double g = radiance(l) * smith(a2, nl, nv) * nl * 4 * vh / (hz * samples), fv = power5(1 - vh), fl = power5(1 - nl);
+    const double g = radiance(l) * smith(a2, nl, nv) * nl * 4 * vh / (hz * samples), fv = power5(1 - vh),
+                 fl = power5(1 - nl);
     sum[0] += g * (1 - fv), sum[1] += g * fv, sum[2] += g * fl * (1 - fv), sum[3] += g * fl * fv;
   }
   return sum;
@@ -49,7 +51,8 @@ template <class L> std::array<double, 3> irradiance(L radiance, const vec3<doubl
   for (int i = 0; i < steps; ++i) {
     for (int j = 0; j < 4 * steps; ++j) {
       const double c = (i + 0.5) / steps, s = std::sqrt(1 - c * c), a = 2 * pi * (j + 0.5) / (4 * steps);
-      const double e = radiance(f.world(s * std::cos(a), s * std::sin(a), c)) * c * 2 * pi / (steps * 4.0 * steps), x = power5(1 - c);
+      const double e = radiance(f.world(s * std::cos(a), s * std::sin(a), c)) * c * 2 * pi / (steps * 4.0 * steps),
+                   x = power5(1 - c);
       sum[0] += e, sum[1] += e * x, sum[2] += e * x * x;
     }
   }
@@ -61,7 +64,10 @@ template <class L> burnish::Image panorama(L radiance, int height) {
   for (int y = 0; y < height; ++y) {
     for (int x = 0; x < 2 * height; ++x) {
       double s = 0;
-      for (int k = 0; k < 4; ++k) s += radiance(burnish::latlong_direction((x + 0.25 + 0.5 * (k & 1)) / (2 * height), (y + 0.25 + 0.5 * (k >> 1)) / height)) / 4;
+      for (int k = 0; k < 4; ++k)
+        s += radiance(burnish::latlong_direction((x + 0.25 + 0.5 * (k & 1)) / (2 * height),
+                                                 (y + 0.25 + 0.5 * (k >> 1)) / height)) /
+             4;
       p.set(x, y, vec3<float>(float(s)));
     }
   }

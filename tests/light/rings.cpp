@@ -18,7 +18,8 @@ TEST_CASE("Rings: weights are positive, sum to 1, and their slopes to 0", "[ligh
     for (double r = 0.02; r <= 1; r *= 1.1) {
       rings.weights(std::pow(r, 4), w.data(), dw.data());
       double sum = 0, d_sum = 0, least = 1;
-      for (int k = 0; k < rings.rings(); ++k) sum += w[k], d_sum += dw[k] * std::pow(r, 4), least = std::min(least, w[k]);
+      for (int k = 0; k < rings.rings(); ++k)
+        sum += w[k], d_sum += dw[k] * std::pow(r, 4), least = std::min(least, w[k]);
       CAPTURE(r);
       CHECK(sum == Approx(1).epsilon(1e-12));
       CHECK(d_sum == Approx(0).margin(1e-12));
@@ -44,8 +45,8 @@ TEST_CASE("Rings: the slopes of the weights are those that differences find", "[
 }
 
 TEST_CASE("Rings: they integrate the log-linear function of tan theta that they interpolate", "[light][value]") {
-  // int 2 y ln(x) / (1 + y)^2 with y = x^2 / alpha^2 over x > 0 is ln alpha: closed form. The inner ring's linear hat and
-  // the outermost's flat end are the error.
+  // int 2 y ln(x) / (1 + y)^2 with y = x^2 / alpha^2 over x > 0 is ln alpha: closed form. The inner ring's linear hat
+  // and the outermost's flat end are the error.
   const Rings rings;
   std::vector<double> w(rings.rings()), dw(rings.rings());
   for (const double r : {0.2, 0.3, 0.5, 0.7}) {

@@ -8,11 +8,14 @@ using namespace burnish;
 namespace {
 /// Any of bands 0 to 4.
 double soft(const vec3<double>& d) {
-  return 2 + d.y - 0.5 * d.x + 0.7 * d.x * d.z + 0.4 * (3 * d.y * d.y - 1) + 0.3 * d.x * d.y * d.z + 0.2 * (std::pow(d.x, 4) - 6 * d.x * d.x * d.z * d.z + std::pow(d.z, 4));
+  return 2 + d.y - 0.5 * d.x + 0.7 * d.x * d.z + 0.4 * (3 * d.y * d.y - 1) + 0.3 * d.x * d.y * d.z +
+         0.2 * (std::pow(d.x, 4) - 6 * d.x * d.x * d.z * d.z + std::pow(d.z, 4));
 }
 /// A unit direction out of two free numbers, in any number type.
 struct Direction {
-  template <class T> static vec3<T> of(const T& a, const T& b) { return normalize(vec3<T>(cos(a), 0.7f * sin(b) + 0.1f, sin(a))); }
+  template <class T> static vec3<T> of(const T& a, const T& b) {
+    return normalize(vec3<T>(cos(a), 0.7f * sin(b) + 0.1f, sin(a)));
+  }
 };
 }  // namespace
 
@@ -37,7 +40,8 @@ TEST_CASE("HarmonicSky: irradiances are those of the hemisphere's quadrature", "
   }
 }
 
-TEST_CASE("HarmonicSky: the cosine's bands are Ramamoorthi and Hanrahan's pi, 2 pi/3, pi/4, 0, -pi/24", "[light][value]") {
+TEST_CASE("HarmonicSky: the cosine's bands are Ramamoorthi and Hanrahan's pi, 2 pi/3, pi/4, 0, -pi/24",
+          "[light][value]") {
   const double known[5] = {1, 2.0 / 3, 0.25, 0, -1.0 / 24};
   for (int l = 0; l < 5; ++l) CHECK(detail::zonal(l, 0) == Approx(reference::pi * known[l]).margin(1e-6));
   CHECK(detail::zonal(0, 5) == Approx(2 * reference::pi / 42));
@@ -56,14 +60,18 @@ TEST_CASE("HarmonicSky: suns enter the projection when asked for, with all their
   REQUIRE(e.suns.size() == 1);
   const double whole = e.energy().x, found = project_sky<HarmonicSky2>(e, true).l0m0.x * std::sqrt(4 * reference::pi);
   CHECK(found == Approx(whole).epsilon(1e-4));
-  CHECK(project_sky<HarmonicSky2>(e).l0m0.x * std::sqrt(4 * reference::pi) == Approx(whole - e.suns[0].power.x).epsilon(1e-4));
+  CHECK(project_sky<HarmonicSky2>(e).l0m0.x * std::sqrt(4 * reference::pi) ==
+        Approx(whole - e.suns[0].power.x).epsilon(1e-4));
 }
 
-TEST_CASE("HarmonicSky: one value in every number, and right slopes by coefficients and direction", "[light][gradient]") {
+TEST_CASE("HarmonicSky: one value in every number, and right slopes by coefficients and direction",
+          "[light][gradient]") {
   const auto at = [](auto f) {
     return [f](const auto& sky, const auto& a, const auto& b) { return f(sky, Direction::of(a, b)); };
   };
   laws::hold(at([](const auto& s, const auto& d) { return sky_radiance(s, d); }), HarmonicSky2<double>{}, 0.0, 0.0);
-  laws::hold(at([](const auto& s, const auto& d) { return sky_irradiance(s, d); }), laws::Anywhere{}, laws::How{2e-5, 1e-2, 200}, HarmonicSky4<double>{}, 0.0, 0.0);
-  laws::hold(at([](const auto& s, const auto& d) { return sky_irradiance<2>(s, d); }), HarmonicSky2<double>{}, 0.0, 0.0);
+  laws::hold(at([](const auto& s, const auto& d) { return sky_irradiance(s, d); }), laws::Anywhere{},
+             laws::How{2e-5, 1e-2, 200}, HarmonicSky4<double>{}, 0.0, 0.0);
+  laws::hold(at([](const auto& s, const auto& d) { return sky_irradiance<2>(s, d); }), HarmonicSky2<double>{}, 0.0,
+             0.0);
 }

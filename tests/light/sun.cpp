@@ -8,8 +8,8 @@ using namespace everywhere;
 
 namespace {
 const vec3<double> up(0, 0, 1);
-/// D averaged over directions l' spread as the light's Gaussian about l, by brute force: whichever is wider, light or lobe, is
-/// what the narrower one is drawn against.
+/// D averaged over directions l' spread as the light's Gaussian about l, by brute force: whichever is wider, light or
+/// lobe, is what the narrower one is drawn against.
 double averaged(const vec3<double>& v, const vec3<double>& l, double r, double sd) {
   const reference::Frame f(l), n(up);
   const double alpha = r * r;
@@ -27,7 +27,8 @@ double averaged(const vec3<double>& v, const vec3<double>& l, double r, double s
       const double vh = dot(v, h), c = dot(h * (2 * vh) - v, l);
       if (vh <= 0 || c <= 0) continue;
       const vec3<double> away = (h * (2 * vh) - v) / c - l;
-      sum += 4 * vh / hz / samples * std::exp(-dot(away, away) / (2 * sd * sd)) / (2 * reference::pi * sd * sd * c * c * c);
+      sum += 4 * vh / hz / samples * std::exp(-dot(away, away) / (2 * sd * sd)) /
+             (2 * reference::pi * sd * sd * c * c * c);
     }
   }
   return sum;
@@ -43,10 +44,17 @@ TEST_CASE("ggx_d_spot: a light without extent leaves D as it is", "[light][limit
   }
 }
 
-TEST_CASE("ggx_d_spot: D averaged over the light, at most 7 % of its peak off, 1 % where lobe or light is far wider", "[light][value]") {
+TEST_CASE("ggx_d_spot: D averaged over the light, at most 7 % of its peak off, 1 % where lobe or light is far wider",
+          "[light][value]") {
   Random random(2);
-  for (const auto& [sd, r, bound] : {std::tuple(0.0025, 0.02, 0.08), {0.0025, 0.1, 0.01}, {0.0025, 0.4, 0.01}, {0.01, 0.02, 0.01},
-                                     {0.01, 0.05, 0.07}, {0.01, 0.2, 0.01}, {0.03, 0.02, 0.015}, {0.03, 0.2, 0.04}}) {
+  for (const auto& [sd, r, bound] : {std::tuple(0.0025, 0.02, 0.08),
+                                     {0.0025, 0.1, 0.01},
+                                     {0.0025, 0.4, 0.01},
+                                     {0.01, 0.02, 0.01},
+                                     {0.01, 0.05, 0.07},
+                                     {0.01, 0.2, 0.01},
+                                     {0.03, 0.02, 0.015},
+                                     {0.03, 0.2, 0.04}}) {
     double worst = 0;
     for (int i = 0; i < 40; ++i) {
       const vec3<double> v = upward(random, 0.2);
@@ -76,9 +84,11 @@ TEST_CASE("ggx_d_spot: it depends on angles only, not on the frame", "[light][sy
 
 TEST_CASE("ggx_d_spot: one value in every number, and right slopes by everything", "[light][gradient]") {
   // Edge: v and l opposite (dot(n, v + l) = 1e-3); drawn well above it.
-  holds([](const auto& n, const auto& v, const auto& l, const auto& r, const auto& variance) { return ggx_d_spot(n, v, l, r, variance); },
+  holds([](const auto& n, const auto& v, const auto& l, const auto& r,
+           const auto& variance) { return ggx_d_spot(n, v, l, r, variance); },
         [](Random& random) {
-          return std::tuple(upward(random, 0.95), upward(random, 0.3), upward(random, 0.3), between(random, 0.2, 0.9), between(random, 1e-3, 1e-2));
+          return std::tuple(upward(random, 0.95), upward(random, 0.3), upward(random, 0.3), between(random, 0.2, 0.9),
+                            between(random, 1e-3, 1e-2));
         },
         1e-4, 1e-3, 1e-3);
 }
@@ -91,7 +101,9 @@ TEST_CASE("ggx_d_spot: finite in float for every light, view and roughness", "[l
     const float d = ggx_d_spot(n, v, l, r, variance);
     REQUIRE(std::isfinite(d));
     REQUIRE(d >= 0);
-    const auto slopes = differentiate([](const auto& a, const auto& b, const auto& c, const auto& e) { return ggx_d_spot(a, b, c, e, decltype(e)(1e-5f)); }, n, v, l, r);
+    const auto slopes = differentiate([](const auto& a, const auto& b, const auto& c,
+                                         const auto& e) { return ggx_d_spot(a, b, c, e, decltype(e)(1e-5f)); },
+                                      n, v, l, r);
     REQUIRE(std::isfinite(std::get<1>(slopes).x + std::get<2>(slopes).y + std::get<3>(slopes).z + std::get<4>(slopes)));
   }
 }

@@ -9,7 +9,9 @@ using reference::Surfels;
 
 namespace {
 double soft(const vec3<double>& d) { return 1 + 0.6 * d.y + 0.3 * d.x; }
-EnvironmentLight light_of(double (*L)(const vec3<double>&)) { return EnvironmentLight(reference::panorama(L, 64), 0, false); }
+EnvironmentLight light_of(double (*L)(const vec3<double>&)) {
+  return EnvironmentLight(reference::panorama(L, 64), 0, false);
+}
 const auto everything = [](int, auto, auto out) { std::fill(out.begin(), out.end(), std::uint8_t(1)); };
 const auto nothing = [](int, auto, auto) {};
 
@@ -95,7 +97,8 @@ TEST_CASE("Visibility: a sun half covered shines with half its strength, and eac
   }
 }
 
-TEST_CASE("Visibility: each surfel is asked once, for unit directions above its horizon and around the suns", "[light][cost]") {
+TEST_CASE("Visibility: each surfel is asked once, for unit directions above its horizon and around the suns",
+          "[light][cost]") {
   const Surfels s(21, 0.1);
   EnvironmentLight e = light_of(soft);
   e.suns.resize(1);

@@ -1,8 +1,8 @@
 // burnish/light/environment.h -- a panorama as light: a map without its brightest texels, and those as suns
 // SPDX-License-Identifier: Apache-2.0
 //
-// World frame: +Y up. Lat-long: u = atan2(d.x, -d.z) / (2 pi), v = acos(d.y) / pi; u = 0 looks to -Z, u = 1/4 to +X; row 0
-// is the zenith, texel centres lie at (i + 0.5) / width. Radiance is linear RGB.
+// World frame: +Y up. Lat-long: u = atan2(d.x, -d.z) / (2 pi), v = acos(d.y) / pi; u = 0 looks to -Z, u = 1/4 to +X;
+// row 0 is the zenith, texel centres lie at (i + 0.5) / width. Radiance is linear RGB.
 #pragma once
 #include <algorithm>
 #include <cmath>
@@ -34,8 +34,8 @@ inline double texel_area(int width, int height, int row) {
   return (std::cos(pi_ * row / height) - std::cos(pi_ * (row + 1) / height)) * 2 * pi_ / width;
 }
 
-/// The panorama as height x 2 height texels, averaged by solid angle, so that radiance x solid angle is kept. Texels that
-/// are negative or no numbers count as black.
+/// The panorama as height x 2 height texels, averaged by solid angle, so that radiance x solid angle is kept. Texels
+/// that are negative or no numbers count as black.
 inline Image resampled_panorama(const Image& from, int height) {
   constexpr double pi_ = 3.141592653589793;
   const int width = 2 * height;
@@ -57,7 +57,9 @@ inline Image resampled_panorama(const Image& from, int height) {
     }
     for (int y = 0; y < height; ++y) {
       const double y0 = double(y) * from.height / height, y1 = double(y + 1) * from.height / height;
-      const auto depth = [&](double a, double b) { return std::cos(pi_ * a / from.height) - std::cos(pi_ * b / from.height); };
+      const auto depth = [&](double a, double b) {
+        return std::cos(pi_ * a / from.height) - std::cos(pi_ * b / from.height);
+      };
       for (int x = 0; x < width; ++x) {
         double sum = 0;
         for (int j = int(y0); j < std::min(from.height, int(std::ceil(y1))); ++j) {
@@ -98,7 +100,8 @@ struct EnvironmentLight {
   vec3<double> energy() const {
     vec3<double> sum;
     for (int y = 0; y < map.height; ++y) {
-      for (int x = 0; x < map.width; ++x) sum += vec3<double>(map.at(x, y)) * detail::texel_area(map.width, map.height, y);
+      for (int x = 0; x < map.width; ++x)
+        sum += vec3<double>(map.at(x, y)) * detail::texel_area(map.width, map.height, y);
     }
     for (const Sun<float>& s : suns) sum += vec3<double>(s.power);
     return sum;
@@ -123,7 +126,8 @@ private:
       return a.luminance != b.luminance ? a.luminance > b.luminance : a.index < b.index;
     };
     std::partial_sort(order.begin(), order.begin() + sun_texels + 1, order.end(), brighter);
-    const double threshold = std::max(order[sun_texels].luminance, sun_threshold * mean), step = 3.141592653589793 / map.height;
+    const double threshold = std::max(order[sun_texels].luminance, sun_threshold * mean),
+                 step = 3.141592653589793 / map.height;
     struct Cluster {
       vec3<double> direction, power;
       double variance;
@@ -151,14 +155,16 @@ private:
         continue;
       }
       Cluster& o = *nearest;
-      const double a = luminance(vec3<float>(o.power)), b = luminance(vec3<float>(c.power)), wa = a / (a + b), wb = b / (a + b);
+      const double a = luminance(vec3<float>(o.power)), b = luminance(vec3<float>(c.power)), wa = a / (a + b),
+                   wb = b / (a + b);
       o.variance = wa * o.variance + wb * c.variance + wa * wb * best / 2;
       o.direction = normalize(o.direction * wa + c.direction * wb);
       o.power += c.power;
       o.texels.push_back(c.texels[0]);
     }
-    std::stable_sort(clusters.begin(), clusters.end(), [](const Cluster& a, const Cluster& b) {
-      return luminance(vec3<float>(a.power)) > luminance(vec3<float>(b.power));
+    std::sort(clusters.begin(), clusters.end(), [](const Cluster& a, const Cluster& b) {
+      const double x = luminance(vec3<float>(a.power)), y = luminance(vec3<float>(b.power));
+      return x != y ? x > y : a.texels[0].first < b.texels[0].first;
     });
     for (const Cluster& c : clusters) {
       if (int(suns.size()) == most_suns || luminance(vec3<float>(c.power)) < sun_part * 12.566370614359172 * mean) {

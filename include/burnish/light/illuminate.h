@@ -1,13 +1,14 @@
 // burnish/light/illuminate.h -- the environment's light on a G-buffer, gathered once, and what a surface makes of it
 // SPDX-License-Identifier: Apache-2.0
 //
-// A surfel's normal and view stay what they are while its material is fitted; so all that the environment does to it is a
-// table by roughness: twelve numbers (Transport) and their slopes at 12 roughnesses, cubic between them. Value and slope belong to
-// one smooth function. 1.2 kB a surfel. Colours, weights and indices come in afterwards, exactly (shade/brdf.h, Moments).
+// A surfel's normal and view stay what they are while its material is fitted; so all that the environment does to it is
+// a table by roughness: twelve numbers (Transport) and their slopes at 12 roughnesses, cubic between them. Value and
+// slope belong to one smooth function. 1.2 kB a surfel. Colours, weights and indices come in afterwards, exactly
+// (shade/brdf.h, Moments).
 //
 //   const EnvironmentLight sky(panorama, yaw);
-//   const Illumination light(sky, gbuffer, [&](int i, auto directions, auto out) { ... out[k] = 1 where blocked ... });
-//   illuminate(surface, surfel, LightOf<float>(light), List<Sun, float>{sky.suns}, {});
+//   const LightOf<float> light(sky, gbuffer, [&](int i, auto directions, auto out) { ... out[k] = 1 where blocked ...
+//   }); illuminate(surface, gbuffer.at(i), light, List<Sun, float>{sky.suns}, LightStrength<float>{});
 #pragma once
 #include <functional>
 #include <burnish/ad/repeat.h>
@@ -24,23 +25,27 @@ template <class T> struct LightStrength {
   }
 };
 
+struct IlluminationOptions {
+  Rings::Size rings = Rings::Size::medium;
+  /// Radiance from blocked directions, linear RGB: a rough grey of the scene. It is scaled with the sky.
+  vec3<float> occluded = {};
+};
+
 class Illumination {
 public:
-  /// blocked(i, directions, out): out[k] becomes 1 where unit world direction k is blocked as seen from surfel i, else 0.
-  /// It is called from all threads at once.
+  /// blocked(i, directions, out): out[k] becomes 1 where unit world direction k is blocked as seen from surfel i, else
+  /// 0. It is called from all threads at once.
   using Blocked = std::function<void(int, std::span<const vec3<float>>, std::span<std::uint8_t>)>;
-  struct Options {
-    Rings::Size rings = Rings::Size::medium;
-    vec3<float> occluded = {};  // radiance from blocked directions, linear RGB: a rough grey of the scene; scaled with the sky
-  };
+  using Options = IlluminationOptions;
   static constexpr int knots = 12, sun_rays = 16;
 
   /// One black surfel.
   Illumination() : Illumination(EnvironmentLight(), None{}) {}
-  /// surfels: size(), and at(i) with unit world vectors normal and view (a GBuffer; its padding is not gathered). All cores;
-  /// the same bits for any number of them. Directions that are not blocked see the panorama, those below the horizon its lower half.
-  template <class G>
-  Illumination(const EnvironmentLight& environment, const G& surfels, const Blocked& blocked = {}, const Options& options = {})
+  /// surfels: size(), and at(i) with unit world vectors normal and view (a GBuffer; its padding is not gathered). All
+  /// cores; the same bits for any number of them. Directions that are not blocked see the panorama, those below the
+  /// horizon its lower half.
+  template <class G> Illumination(const EnvironmentLight& environment, const G& surfels, const Blocked& blocked = {},
+                                  const Options& options = {})
       : size_(surfels.size()), suns_(int(environment.suns.size())) {
     const int blocks = std::max(1, (size_ + 15) / 16);
     table_.resize(std::size_t(blocks) * table_block);
@@ -70,7 +75,8 @@ public:
         open = look(transport, block, b, environment.suns, blocked, sun);
         transport.block(sky, block, open.data(), options.occluded, e);
       }
-      transport.gather(sky, block, blocked ? open.data() : nullptr, options.occluded, table_.data() + std::size_t(b) * table_block);
+      transport.gather(sky, block, blocked ? open.data() : nullptr, options.occluded,
+                       table_.data() + std::size_t(b) * table_block);
     });
   }
 
@@ -81,7 +87,8 @@ public:
   /// The first `count` of the twelve numbers of surfel `index` (rounded to a whole one, kept inside) at a roughness.
   template <class T> void table(const T& index, const T& roughness, int count, T* y) const {
     const Between<T> at(*this, index, roughness);
-    const T u = at.u, w = 1.0f - u, h0 = (1.0f + 2.0f * u) * w * w, g0 = u * w * w, h1 = u * u * (3.0f - 2.0f * u), g1 = -u * u * w;
+    const T u = at.u, w = 1.0f - u, h0 = (1.0f + 2.0f * u) * w * w, g0 = u * w * w, h1 = u * u * (3.0f - 2.0f * u),
+            g1 = -u * u * w;
     for (int c = 0; c < count; ++c) y[c] = h0 * at(c, 0) + g0 * at(c, 1) + h1 * at(c, 2) + g1 * at(c, 3);
   }
   /// Their slopes by roughness, times d_y, added up; 0 outside [min_roughness, 1].
@@ -119,7 +126,7 @@ private:
   Floats irradiance_;  // [block][channel][lane]
   Floats sun_;         // [block][sun][lane]
 
-  // Knots are even in roughness^(1/4). Measured on real panoramas, this leaves .04 % rms; evenness in the logarithm .07 %.
+  // Even in roughness^(1/4): on real panoramas .04 % rms between the knots; even in the logarithm leaves .07 %.
   static constexpr double first_place = 0.37606030930863935, step = (1 - first_place) / (knots - 1);  // 0.02^(1/4)
   static std::array<double, knots> roughnesses() {
     std::array<double, knots> r;
@@ -144,7 +151,8 @@ private:
     bool straight = false;  // sixteen neighbours between the same two knots: loads instead of gathers
 
     Between(const Illumination& l, const T& index, const T& roughness) : lower(l.table_.data()) {
-      const T r = min(max(roughness, min_roughness), 1.0f), t = sqrt(sqrt(r)), place = (t - float(first_place)) * float(1 / step);
+      const T r = min(max(roughness, min_roughness), 1.0f), t = sqrt(sqrt(r)),
+              place = (t - float(first_place)) * float(1 / step);
       const int_t<T> i = l.inside(index), k = to_int(min(max(place, 0.0f), float(knots - 2)));
       u = place - to_real<T>(k);
       du = t * float(0.25 / step) / r;
@@ -203,7 +211,8 @@ private:
   /// Spread as the sun's Gaussian is, along a golden spiral.
   static vec3<float> sun_ray(const Sun<float>& s, int i) {
     const vec3<float>& d = s.direction;
-    const vec3<float> x = normalize(cross(std::abs(d.y) < 0.9f ? vec3<float>(0, 1, 0) : vec3<float>(1, 0, 0), d)), y = cross(d, x);
+    const vec3<float> x = normalize(cross(std::abs(d.y) < 0.9f ? vec3<float>(0, 1, 0) : vec3<float>(1, 0, 0), d)),
+                      y = cross(d, x);
     const float r = std::sqrt(-2 * s.variance * std::log(1 - (float(i) + 0.5f) / sun_rays)), a = 2.3999632f * float(i);
     return normalize(d + x * (r * std::cos(a)) + y * (r * std::sin(a)));
   }
@@ -228,14 +237,18 @@ struct LightIrradiance {
   static constexpr int inputs = 1, outputs = Transport::irradiances;
   static constexpr bool active = false;
   template <class T> static void value(const Illumination& light, const T* x, T* y) { light.irradiance(x[0], y); }
-  template <class T> static void back(const Illumination&, const T*, const T*, const T*, T* d_x, Scatter*) { d_x[0] = T(0.0f); }
+  template <class T> static void back(const Illumination&, const T*, const T*, const T*, T* d_x, Scatter*) {
+    d_x[0] = T(0.0f);
+  }
 };
 /// (surfel index, place of the sun in its list) -> the part of it that is seen.
 struct SunVisibility {
   using Data = Illumination;
   static constexpr int inputs = 2, outputs = 1;
   static constexpr bool active = false;
-  template <class T> static void value(const Illumination& light, const T* x, T* y) { y[0] = light.sun_visibility(x[0], x[1]); }
+  template <class T> static void value(const Illumination& light, const T* x, T* y) {
+    y[0] = light.sun_visibility(x[0], x[1]);
+  }
   template <class T> static void back(const Illumination&, const T*, const T*, const T*, T* d_x, Scatter*) {
     d_x[0] = d_x[1] = T(0.0f);
   }
@@ -249,27 +262,27 @@ template <class T> constexpr Moments<T> moments(const LightOf<T>& light, const s
   const auto rgb = [](const auto& from, int k) {
     return vec3<T>(from[std::size_t(3 * k)], from[std::size_t(3 * k + 1)], from[std::size_t(3 * k + 2)]);
   };
-  return {rgb(coat, 0), rgb(coat, 1), rgb(base, 0), rgb(base, 1), rgb(base, 2), rgb(base, 3), rgb(e, 0), rgb(e, 1), rgb(e, 2)};
+  return {rgb(coat, 0), rgb(coat, 1), rgb(base, 0), rgb(base, 1), rgb(base, 2),
+          rgb(base, 3), rgb(e, 0),    rgb(e, 1),    rgb(e, 2)};
 }
 
 /// Radiance that a sun, nothing in its way, leaves towards v: brdf_cos_with, its densities averaged over the sun.
 /// n, c: normals of base and coat; all unit and in one frame.
-template <class T>
-constexpr vec3<T> sunlit(const Layers<T>& s, const vec3<same<T>>& n, const vec3<same<T>>& c, const vec3<same<T>>& v,
-                         const Sun<T>& sun) {
+template <class T> constexpr vec3<T> sunlit(const Layers<T>& s, const vec3<same<T>>& n, const vec3<same<T>>& c,
+                                            const vec3<same<T>>& v, const Sun<T>& sun) {
   const vec3<T>& l = sun.direction;
   const vec3<T> sum = v + l, h = sum * rsqrt(max(dot(sum, sum), 1e-12f));
   return brdf_cos_with(s, Cosines<T>{dot(n, l), dot(n, v), dot(c, l), dot(c, v), dot(v, h)},
                        ggx_d_spot(n, v, l, s.base_roughness, sun.variance),
-                       ggx_d_spot(c, v, l, s.coat_roughness, sun.variance)) * sun.power;
+                       ggx_d_spot(c, v, l, s.coat_roughness, sun.variance)) *
+         sun.power;
 }
 
-/// Reflected radiance towards the viewer, linear RGB: sky and suns, coat and base. at: a Surfel (normal, tangent, view, index)
-/// of the G-buffer that the light was gathered for. The sky sees the surfel's own normal; only the suns see the surface's
-/// geometry normals, and base_diffuse_roughness.
-template <class T, class At>
-constexpr vec3<T> illuminate(const Surface<T>& s, const At& at, const LightOf<T>& light, const List<Sun, T>& suns,
-                             const LightStrength<T>& strength) {
+/// Reflected radiance towards the viewer, linear RGB: sky and suns, coat and base. at: a Surfel (normal, tangent, view,
+/// index) of the G-buffer that the light was gathered for. The sky sees the surfel's own normal; only the suns see the
+/// surface's geometry normals, and base_diffuse_roughness.
+template <class T, class At> constexpr vec3<T> illuminate(const Surface<T>& s, const At& at, const LightOf<T>& light,
+                                                          const List<Sun, T>& suns, const LightStrength<T>& strength) {
   const Layers<T> a = layers(s);
   const vec3<T> normal(at.normal), tangent(at.tangent), view(at.view);
   const T index(at.index);

@@ -8,15 +8,16 @@
 
 namespace burnish {
 
-/// E0, E5, E10 = int L nl (1 - nl)^(5k) over directions l for k = 0, 1, 2, each RGB, of an EnvironmentLight without its suns:
-/// summed over the texels of the map for 64 x 32 normals, bilinear between them.
+/// E0, E5, E10 = int L nl (1 - nl)^(5k) over directions l for k = 0, 1, 2, each RGB, of an EnvironmentLight without its
+/// suns: summed over the texels of the map for 64 x 32 normals, bilinear between them.
 class IrradianceMap {
 public:
   static constexpr int channels = 9;
 
   /// All cores; the same bits for any number of them.
   explicit IrradianceMap(const EnvironmentLight& e) : turn_(e.yaw) {
-    // Always 128 rows: coarser texels are too large for the narrow x(nl)^2 lobe, finer ones a waste. A packet is 16 normals.
+    // Always 128 rows: coarser texels are too large for the narrow x(nl)^2 lobe, finer ones a waste. A packet is 16
+    // normals.
     const Image map = detail::resampled_panorama(e.map, 128);
     const int n = map.width * map.height;
     std::vector<vec3<float>> direction(n);
@@ -24,7 +25,8 @@ public:
     for (int y = 0; y < map.height; ++y) {
       area[y] = float(detail::texel_area(map.width, map.height, y));
       for (int x = 0; x < map.width; ++x) {
-        direction[std::size_t(y) * map.width + x] = vec3<float>(latlong_direction((x + 0.5) / map.width, (y + 0.5) / map.height));
+        direction[std::size_t(y) * map.width + x] =
+            vec3<float>(latlong_direction((x + 0.5) / map.width, (y + 0.5) / map.height));
       }
     }
     parallel_for(height, [&](int row) {
@@ -38,7 +40,8 @@ public:
         for (int i = 0; i < n; ++i) {
           const vec3<float>& d = direction[i];
           const P nl = max(normal.x * d.x + normal.y * d.y + normal.z * d.z, 0.0f), u = max(1.0f - nl, 0.0f);
-          const P x = (u * u) * (u * u) * u, w[3] = {nl * area[i / map.width], nl * area[i / map.width] * x, nl * area[i / map.width] * x * x};
+          const P x = (u * u) * (u * u) * u,
+                  w[3] = {nl * area[i / map.width], nl * area[i / map.width] * x, nl * area[i / map.width] * x * x};
           for (int k = 0; k < 3; ++k) {
             for (int c = 0; c < 3; ++c) sum[3 * k + c] += w[k] * map.plane(c)[i];
           }
@@ -60,7 +63,8 @@ public:
       const auto line = [&](int r) {
         // Beyond a pole the meridian goes on half-way round.
         const int over = r < 0 || r >= height ? width / 2 : 0, inside = r < 0 ? 0 : std::min(r, height - 1);
-        const float a = at(inside, (column + over + width) % width)[c], b = at(inside, (column + 1 + over + width) % width)[c];
+        const float a = at(inside, (column + over + width) % width)[c],
+                    b = at(inside, (column + 1 + over + width) % width)[c];
         return a + (b - a) * fx;
       };
       const float top = line(row), bottom = line(row + 1);

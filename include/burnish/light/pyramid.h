@@ -1,8 +1,8 @@
 // burnish/light/pyramid.h -- a lat-long map blurred on the sphere, to be looked up at any direction and any width
 // SPDX-License-Identifier: Apache-2.0
 //
-// Level 0 is the map; level j >= 1 is the map convolved with a spherical Gaussian of standard deviation 2^(j-1) texels of
-// the map, held at half the size of the level before from j = 2 on. Blurring on the sphere has no poles and no seam.
+// Level 0 is the map; level j >= 1 is the map convolved with a spherical Gaussian of standard deviation 2^(j-1) texels
+// of the map, held at half the size of the level before from j = 2 on. Blurring on the sphere has no poles and no seam.
 #pragma once
 #include <array>
 #include <burnish/ad/parallel.h>
@@ -32,13 +32,13 @@ public:
     }
   }
 
-  /// Radiance from a unit world direction, averaged over a Gaussian of that variance (rad^2 per axis). At variance 0 it is the
-  /// bilinear map.
+  /// Radiance from a unit world direction, averaged over a Gaussian of that variance (rad^2 per axis). At variance 0 it
+  /// is the bilinear map.
   vec3<float> fetch(const vec3<float>& d, float variance) const {
     float x[16] = {d.x}, y[16] = {d.y}, z[16] = {d.z}, s[16] = {variance}, r[16], g[16], b[16];
     const unsigned only = 1;
-    fetch(Packet<float, 16>::load(x), Packet<float, 16>::load(y), Packet<float, 16>::load(z), Packet<float, 16>::load(s),
-          only, r, g, b);
+    fetch(Packet<float, 16>::load(x), Packet<float, 16>::load(y), Packet<float, 16>::load(z),
+          Packet<float, 16>::load(s), only, r, g, b);
     return {r[0], g[0], b[0]};
   }
   /// Sixteen at once; a lane whose bit in `wanted` is off gives 0.
@@ -115,8 +115,8 @@ private:
     return top + (bottom - top) * fy;
   }
 
-  /// from convolved on the sphere with exp((cos angle - 1) / sigma^2), at width x width / 2 texels; width is that of from
-  /// or half of it. A row of the result is one item of work.
+  /// from convolved on the sphere with exp((cos angle - 1) / sigma^2), at width x width / 2 texels; width is that of
+  /// from or half of it. A row of the result is one item of work.
   static Level blurred(const Level& from, int width, double sigma) {
     constexpr double pi_ = 3.141592653589793;
     const int height = width / 2, ratio = from.width / width;
@@ -152,7 +152,8 @@ private:
         for (const Taps& row : taps) {
           const float* source = from.plane[c].data() + std::size_t(row.row) * from.width;
           for (int phase = 0; phase < ratio; ++phase) {
-            for (int k = 0; k < 3 * width; ++k) round[std::size_t(phase) * 3 * width + k] = source[ratio * (k % width) + phase];
+            for (int k = 0; k < 3 * width; ++k)
+              round[std::size_t(phase) * 3 * width + k] = source[ratio * (k % width) + phase];
           }
           for (int i = 0; i < int(row.weight.size()); ++i) {
             const int at = row.first + i + from.width, phase = at % ratio;  // width texels further on: never negative

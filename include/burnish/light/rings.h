@@ -1,10 +1,10 @@
 // burnish/light/rings.h -- fixed half vectors on which every GGX roughness is integrated at once
 // SPDX-License-Identifier: Apache-2.0
 //
-// Half vectors lie on rings of constant x = tan(theta_h), plus the normal itself. The weight of a ring is the share of the
-// GGX distribution, int x / (...) = F(x) = 1/2 ln(1 + x^2 / alpha^2) after one integration by parts, that its hat function in
-// ln x gathers: a second difference of F, in closed form with its slope by roughness. The directions do not depend on the
-// roughness, so one gather of radiance serves every roughness, and the slope by it is exact.
+// Half vectors lie on rings of constant x = tan(theta_h), plus the normal itself. A ring's weight is what its hat
+// function in ln x gathers of the GGX distribution: a second difference of F(x) = 1/2 ln(1 + x^2 / alpha^2), in closed
+// form with its slope by roughness. The directions do not depend on the roughness, so one gather of radiance serves
+// every roughness, and the slope by it is exact.
 #pragma once
 #include <cmath>
 #include <vector>
@@ -17,8 +17,8 @@ public:
   /// 183, 321 or 607 directions; dense, 13,000, is there to measure the others by.
   enum class Size { small, medium, large, dense };
 
-  /// Samples padded to a multiple of 16 with ones of share 0. The local frame: z the normal, x the part of the view in the
-  /// plane. ring[i]: 0 for the normal itself, k + 1 for ring k.
+  /// Samples padded to a multiple of 16 with ones of share 0. The local frame: z the normal, x the part of the view in
+  /// the plane. ring[i]: 0 for the normal itself, k + 1 for ring k.
   Floats half_x, half_y, half_z;
   Floats share;   // 1 / samples of the ring
   Floats spread;  // times dot(v, h): the variance of the radiance's filter, rad^2
@@ -51,8 +51,10 @@ public:
     for (int k = 0; k < n; ++k) {
       const double x = tangent[k], z = 1 / std::sqrt(1 + x * x);
       const double low = std::log(tangent[std::max(k - 1, 0)]), high = std::log(tangent[std::min(k + 1, n - 1)]);
-      const double width = (high - low) / (k == 0 || k == n - 1 ? 1 : 2), cell = 2 * pi_ / azimuths[k] * x * x * width * z * z * z;
-      for (int i = 0; i < azimuths[k]; ++i) add(x, 2 * pi_ * (i + (k % 2 ? 0.5 : 0)) / azimuths[k], azimuths[k], cell, k + 1);
+      const double width = (high - low) / (k == 0 || k == n - 1 ? 1 : 2),
+                   cell = 2 * pi_ / azimuths[k] * x * x * width * z * z * z;
+      for (int i = 0; i < azimuths[k]; ++i)
+        add(x, 2 * pi_ * (i + (k % 2 ? 0.5 : 0)) / azimuths[k], azimuths[k], cell, k + 1);
     }
     directions_ = int(ring.size());
     while (ring.size() % 16) add(0, 0, 0, 1, 0);
@@ -62,7 +64,8 @@ public:
   int padded_directions() const { return int(ring.size()); }
   int rings() const { return int(tangent.size()) + 1; }
 
-  /// The integral of D(h) dot(n, h) over half vectors, shared out to the rings, and its slope by alpha^2. The weights sum to 1.
+  /// The integral of D(h) dot(n, h) over half vectors, shared out to the rings, and its slope by alpha^2. The weights
+  /// sum to 1.
   void weights(double alpha2, double* w, double* dw) const {
     const int n = int(tangent.size());
     const double y = tangent[0] * tangent[0] / alpha2, u = y / (1 + y), du = -u / ((1 + y) * alpha2);
@@ -75,7 +78,8 @@ public:
     for (int k = 0; k < n; ++k) {
       double slope = 1, d_slope = 0;
       if (k + 1 < n) {
-        const double a = tangent[k] * tangent[k], b = tangent[k + 1] * tangent[k + 1], d = 0.5 / std::log(tangent[k + 1] / tangent[k]);
+        const double a = tangent[k] * tangent[k], b = tangent[k + 1] * tangent[k + 1],
+                     d = 0.5 / std::log(tangent[k + 1] / tangent[k]);
         slope = d * (std::log1p(b / alpha2) - std::log1p(a / alpha2));
         d_slope = -d / alpha2 * (b / (alpha2 + b) - a / (alpha2 + a));
       }
@@ -95,7 +99,8 @@ private:
     half_y.push_back(float(x * z * std::sin(azimuth)));
     half_z.push_back(float(z));
     share.push_back(azimuths ? 1 / float(azimuths) : 0);
-    spread.push_back(float(1.6 * 4 / 12 * cell));  // a cell of half vectors is 4 dot(v, h) cells of directions; 1.6 measured
+    spread.push_back(
+        float(1.6 * 4 / 12 * cell));  // a cell of half vectors is 4 dot(v, h) cells of directions; 1.6 measured
     ring.push_back(which);
   }
 };

@@ -12,9 +12,9 @@
 
 namespace burnish {
 
-/// The integrals over directions l of radiance x D V nl x {1 - x(vh), x(vh), x(nl) (1 - x(vh)), x(nl) x(vh)}, x(c) = (1 - c)^5,
-/// V the height-correlated Smith visibility, each in RGB: twelve numbers a roughness, and their slopes. And what blocked
-/// directions take from the irradiances.
+/// The integrals over directions l of L D V nl times 1 - x(vh), x(vh), x(nl) (1 - x(vh)) and x(nl) x(vh), L the
+/// radiance, x(c) = (1 - c)^5, V the height-correlated Smith visibility; each in RGB: twelve numbers a roughness, and
+/// their slopes. And what blocked directions take from the irradiances.
 class Transport {
 public:
   using P = Packet<float, 16>;
@@ -41,7 +41,10 @@ public:
       const double cell = width * 6.283185307179586 / azimuths, f = (1 - c) * (1 - c) * (1 - c) * (1 - c) * (1 - c);
       for (int a = 0; a < azimuths; ++a) {
         const double angle = 6.283185307179586 * (a + (i % 2 ? 0.5 : 0)) / azimuths;
-        hemisphere.push_back({float(sine * std::cos(angle)), float(sine * std::sin(angle)), float(c), float(1.6 / 12 * cell),
+        hemisphere.push_back({float(sine * std::cos(angle)),
+                              float(sine * std::sin(angle)),
+                              float(c),
+                              float(1.6 / 12 * cell),
                               {float(cell * c), float(cell * c * f), float(cell * c * f * f)}});
       }
     }
@@ -80,8 +83,8 @@ public:
     return b.side * x + b.up * y + b.normal * z;
   }
 
-  /// table: knots x channels x {value, slope} x 16. open[i]: bit k is set where direction i of lane k sees the environment
-  /// (null: everywhere); the others see `occluded`.
+  /// table: knots x channels x {value, slope} x 16. open[i]: bit k is set where direction i of lane k sees the
+  /// environment (null: everywhere); the others see `occluded`.
   void gather(const Pyramid& sky, const Block& b, const std::uint16_t* open, const vec3<float>& occluded, float* table,
               bool normalized = true) const {
     std::fill_n(table, std::size_t(knots) * channels * 32, 0.0f);
@@ -94,9 +97,10 @@ public:
     }
     if (normalized && !albedo_ratio.empty()) normalize(b, table);
   }
-  /// irradiance: irradiances x 16, on entry those of the unblocked sky. Each is multiplied by what the hemisphere's directions
-  /// find of it with and without the blocking: exact where nothing is blocked, and where everything is.
-  void block(const Pyramid& sky, const Block& b, const std::uint16_t* open, const vec3<float>& occluded, float* irradiance) const {
+  /// irradiance: irradiances x 16, on entry those of the unblocked sky. Each is multiplied by what the hemisphere's
+  /// directions find of it with and without the blocking: exact where nothing is blocked, and where everything is.
+  void block(const Pyramid& sky, const Block& b, const std::uint16_t* open, const vec3<float>& occluded,
+             float* irradiance) const {
     const int n = rings.directions();
     const auto whole = [](unsigned bits) { return bits == 0xffff; };
     if (std::all_of(open + n, open + directions(), whole)) return;
@@ -156,8 +160,9 @@ private:
     }
     return {P::load(r), P::load(g), P::load(c)};
   }
-  /// Under an even sky the rings' sums depend on nv alone: for 64 of it and every knot, what they are short of (or above) the
-  /// same sums on dense rings, as a factor for each of the four weights, with its slope. Exact then, and closer otherwise.
+  /// Under an even sky the rings' sums depend on nv alone: for 64 of it and every knot, what they are short of (or
+  /// above) the same sums on dense rings, as a factor for each of the four weights, with its slope. Exact then, and
+  /// closer otherwise.
   void normalize_by(const Transport& dense) {
     const Pyramid even(EnvironmentLight(Image(32, 16, vec3<float>(1))));
     albedo_ratio.resize(std::size_t(knots) * 8 * cosines);
@@ -176,7 +181,8 @@ private:
       for (int q = 0; q < 4; ++q) {
         for (int i = 0; i < cosines; ++i) {
           const std::size_t at = (std::size_t(k) * channels + 3 * q) * 32 + i % 16;
-          const float a = own[i / 16][at], da = own[i / 16][at + 16], b = truth[i / 16][at], db = truth[i / 16][at + 16];
+          const float a = own[i / 16][at], da = own[i / 16][at + 16], b = truth[i / 16][at],
+                      db = truth[i / 16][at + 16];
           float* to = &albedo_ratio[(std::size_t(k) * 4 + q) * 2 * cosines + i];
           const bool sure = a > 1e-6f && b < 2 * a && a < 2 * b;  // else there is nothing to compare
           to[0] = sure ? b / a : 1;
@@ -207,8 +213,8 @@ private:
     }
   }
   /// Sample i: radiance times all that does not depend on the roughness; zero where the sample is below the horizon.
-  void prepare(const Pyramid& sky, const Block& b, int i, const std::uint16_t* open, const vec3<float>& occluded, P* part,
-               P& nl) const {
+  void prepare(const Pyramid& sky, const Block& b, int i, const std::uint16_t* open, const vec3<float>& occluded,
+               P* part, P& nl) const {
     const float hz = rings.half_z[i];
     const P vh = min(max(rings.half_x[i] * b.sv + hz * b.nv, 0.0f), 1.0f), z = 2.0f * vh * hz - b.nv;
     const vec3<P> light = radiance(sky, b, i, rings.spread[i] * vh, open, occluded);  // 0 below the horizon
@@ -222,7 +228,8 @@ private:
   static P power5(P x) { return (x * x) * (x * x) * x; }
 
   /// Adds `count` samples to one knot: sums of weight V and of its slope.
-  void integrate(const Block& b, int k, int first, int count, const P (*part)[channels], const P* nl, float* table) const {
+  void integrate(const Block& b, int k, int first, int count, const P (*part)[channels], const P* nl,
+                 float* table) const {
     const float a2 = alpha2[k], rest = 1 - a2;
     const P sv = sqrt(a2 + rest * b.nv * b.nv), dsv = (1.0f - b.nv * b.nv) / (2.0f * sv);
     const float *w = &weight[std::size_t(k) * rings.rings()], *dw = &d_weight[std::size_t(k) * rings.rings()];
