@@ -7,9 +7,6 @@
 // call the C library lane by lane.
 #pragma once
 #include <burnish/ad/number.h>
-#if defined(__SSE2__)
-#include <immintrin.h>
-#endif
 #pragma GCC diagnostic ignored "-Wpsabi"  // packets are passed by value, in memory where the machine has no such register
 
 // g++ fuses a product into the sum that follows it wherever it may; clang only if asked here.
@@ -147,19 +144,46 @@ template <class P, class... C> [[gnu::always_inline]] inline P polynomial(P x, f
 }
 }  // namespace detail
 
-template <class S, int N> [[gnu::always_inline]] inline Packet<S, N> sqrt(Packet<S, N> a) {
-#if defined(__AVX512F__)
-  if constexpr (sizeof a == 64 && sizeof(S) == 4) return detail::bits<Packet<S, N>>(_mm512_maskz_sqrt_ps(0xffff, (__m512)a.v));
-  else if constexpr (sizeof a == 64) return detail::bits<Packet<S, N>>(_mm512_maskz_sqrt_pd(0xff, (__m512d)a.v));
-  else
+namespace detail {
+// The compilers' own names for the instructions: the header that gives them others costs a quarter of a second to read.
+typedef float Float4 __attribute__((vector_size(16)));
+typedef float Float8 __attribute__((vector_size(32)));
+typedef float Float16 __attribute__((vector_size(64)));
+#if defined(__has_builtin) && __has_builtin(__builtin_elementwise_sqrt)
+inline Float4 root(Float4 x) { return __builtin_elementwise_sqrt(x); }
+inline Float8 root(Float8 x) { return __builtin_elementwise_sqrt(x); }
+inline Float16 root(Float16 x) { return __builtin_elementwise_sqrt(x); }
+#define BURNISH_ROOT 64
+#elif defined(__SSE2__)
+inline Float4 root(Float4 x) { return __builtin_ia32_sqrtps(x); }
+#define BURNISH_ROOT 16
+#if defined(__AVX__)
+inline Float8 root(Float8 x) { return __builtin_ia32_sqrtps256(x); }
+#undef BURNISH_ROOT
+#define BURNISH_ROOT 32
 #endif
-#if defined(__SSE2__)
-  if constexpr (sizeof(S) == 4 && N % 4 == 0) {
-    for (int i = 0; i < N / 4; ++i) {
-      __m128 x;
-      __builtin_memcpy(&x, reinterpret_cast<char*>(&a.v) + 16 * i, 16);
-      x = _mm_sqrt_ps(x);
-      __builtin_memcpy(reinterpret_cast<char*>(&a.v) + 16 * i, &x, 16);
+#if defined(__AVX512F__)
+#if defined(__clang__)
+inline Float16 root(Float16 x) { return __builtin_ia32_sqrtps512(x, 4); }
+#else
+inline Float16 root(Float16 x) { return __builtin_ia32_sqrtps512_mask(x, Float16{}, -1, 4); }
+#endif
+#undef BURNISH_ROOT
+#define BURNISH_ROOT 64
+#endif
+#endif
+}  // namespace detail
+
+template <class S, int N> [[gnu::always_inline]] inline Packet<S, N> sqrt(Packet<S, N> a) {
+#if defined(BURNISH_ROOT)
+  if constexpr (sizeof(S) == 4) {
+    using Piece = std::conditional_t<(BURNISH_ROOT >= 64 && N >= 16), detail::Float16,
+                                     std::conditional_t<(BURNISH_ROOT >= 32), detail::Float8, detail::Float4>>;
+    for (std::size_t i = 0; i < sizeof a; i += sizeof(Piece)) {
+      Piece x;
+      __builtin_memcpy(&x, reinterpret_cast<char*>(&a.v) + i, sizeof x);
+      x = detail::root(x);
+      __builtin_memcpy(reinterpret_cast<char*>(&a.v) + i, &x, sizeof x);
     }
     return a;
   } else
@@ -177,10 +201,6 @@ template <class S, int N> [[gnu::always_inline]] inline Packet<S, N> floor(Packe
 }
 /// from[i] in every lane; i is not checked. gather<T>(from, i) for any T.
 template <class T> requires is_packet<T> [[gnu::always_inline]] inline T gather(const float* from, typename T::I i) {
-#if defined(__AVX512F__)
-  if constexpr (std::is_same_v<T, Packet<float, 16>>) 
-    return detail::bits<T>(_mm512_mask_i32gather_ps(_mm512_setzero_ps(), 0xffff, (__m512i)i, from, 4));
-#endif
   T r;
   for (int k = 0; k < T::size; ++k) r.v[k] = typename T::Scalar(from[i[k]]);
   return r;
@@ -282,3 +302,4 @@ template <class S, int N> Packet<S, N> tanh(Packet<S, N> a) {
 }  // namespace burnish
 
 #undef BURNISH_FUSE
+#undef BURNISH_ROOT
