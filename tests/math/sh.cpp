@@ -47,7 +47,7 @@ TEST_CASE("Spherical harmonics: one value and right slopes in every number", "[m
       [](const auto& d) {
         using T = std::remove_cvref_t<decltype(d.x)>;
         std::array<T, 25> c;
-        for (int i = 0; i < 25; ++i) c[std::size_t(i)] = T(0.1f * float(i * 7 % 11) - 0.5f);
+        for (int i = 0; i < 25; ++i) c[std::size_t(i)] = T(0.125f * float(i * 7 % 11) - 0.5f);
         return sh_sum<4>(c, normalize(d));
       },
       [](const auto& d) { return length(d) > 0.3; }, laws::How{}, vec3<double>());
