@@ -49,6 +49,12 @@ constexpr auto two_loops = [](const auto& p, const auto& at, const auto& list, c
   const auto c = repeat(list, [&](const auto& lamp) { return one_lamp(p, at, at.normal, lamp); });
   return repeat(others, [&](const auto& lamp) { return c * (p.lift * dot(lamp.radiance, c)) + p.tint * lamp.radiance; });
 };
+/// A parameter, a number of the pixel, a number of the item: none made in the loop.
+constexpr auto same_terms = [](const auto& p, const auto& at, const auto& list) {
+  const auto bent = at.uv.x * p.lift;
+  const auto c = repeat(list, [&](const auto& lamp) { return std::remove_cvref_t<decltype(p.tint)>{p.sharpness, bent, lamp.radiance.z}; });
+  return c * c * p.tint;
+};
 constexpr auto array_look = [](const auto& p, const auto& at, const auto& array) {
   auto sum = one_lamp(p, at, at.normal, array[0]);
   for (std::size_t i = 1; i < array.size(); ++i) sum = sum + one_lamp(p, at, at.normal, array[i]);
@@ -74,6 +80,12 @@ TEST_CASE("lists: a curve after the sum needs the sum on the way back", "[fit][a
 TEST_CASE("lists: a second loop may read the sum of the first", "[fit][agreement]") {
   agree(patch(70), 3e-5, two_loops, Gloss<float>{}, lamps(3), lamps(5));
   agree(patch(70), 3e-5, two_loops, Gloss<float>{}, lamps(0), lamps(2));
+}
+TEST_CASE("lists: terms that do not depend on the item are counted as often as it is long", "[fit][limit]") {
+  for (const int n : {0, 1, 3}) {
+    CAPTURE(n);
+    agree(patch(70), 3e-5, same_terms, Gloss<float>{}, lamps(n));
+  }
 }
 TEST_CASE("lists: an array is unrolled and gives what a list gives", "[fit][agreement]") {
   const auto v = lamps(4);

@@ -87,6 +87,18 @@ struct SubMul : Operation<3> {
   template <class T> static constexpr T value(T a, T b, T c) { return c - a * b; }
   template <class T> static constexpr Back<T, 3> back(T d, T, T a, T b, T) { return {-d * b, -d * a, d}; }
 };
+/// a^2, as the way back of a product with itself.
+struct Square : Operation<1> {
+  template <class T> static constexpr T value(T a) { return a * a; }
+  template <class T> static constexpr Back<T, 1> back(T d, T, T a) { return {2.0f * d * a}; }
+};
+/// a b + c d + e f.
+struct Dot3 : Operation<6> {
+  template <class T> static constexpr T value(T a, T b, T c, T d, T e, T f) { return a * b + c * d + e * f; }
+  template <class T> static constexpr Back<T, 6> back(T d_y, T, T a, T b, T c, T d, T e, T f) {
+    return {d_y * b, d_y * a, d_y * d, d_y * c, d_y * f, d_y * e};
+  }
+};
 struct Neg : Operation<1> {
   template <class T> static constexpr T value(T a) { return -a; }
   template <class T> static constexpr Back<T, 1> back(T d, T, T) { return {-d}; }
@@ -269,7 +281,7 @@ template <class Op> concept Reads = requires { typename Op::Data; };
 template <class Op, class... A> concept ValueOf = requires(A... a) { Op::value(a...); };
 template <class Op> concept Arithmetic =
     !Reads<Op> && (ValueOf<Op, float> || ValueOf<Op, float, float> || ValueOf<Op, float, float, float> ||
-                   ValueOf<Op, float, float, float, float>);
+                   ValueOf<Op, float, float, float, float> || ValueOf<Op, float, float, float, float, float, float>);
 /// False for an operation without slopes.
 template <class Op> constexpr bool has_slopes() {
   if constexpr (requires { Op::active; }) return Op::active;

@@ -37,7 +37,7 @@ template <class Op> inline constexpr bool brief = false;
 #define BURNISH_BRIEF(name) template <> inline constexpr bool brief<op::name> = true;
 BURNISH_BRIEF(Add) BURNISH_BRIEF(Sub) BURNISH_BRIEF(Mul) BURNISH_BRIEF(MulAdd) BURNISH_BRIEF(MulSub) BURNISH_BRIEF(SubMul)
 BURNISH_BRIEF(Neg) BURNISH_BRIEF(Max) BURNISH_BRIEF(Min) BURNISH_BRIEF(Abs) BURNISH_BRIEF(Reciprocal) BURNISH_BRIEF(Sqrt)
-BURNISH_BRIEF(Rsqrt) BURNISH_BRIEF(Select)
+BURNISH_BRIEF(Rsqrt) BURNISH_BRIEF(Select) BURNISH_BRIEF(Square) BURNISH_BRIEF(Dot3)
 #undef BURNISH_BRIEF
 
 template <int N> [[gnu::always_inline]] inline const int* operands(const Step& s, const int* more) {
@@ -83,6 +83,7 @@ void strip_backward(const Step& s, float* memory, float* frame, const int* more,
   int stride[in], mode[in];
   float* d_x_at[in];
   bool present[out];
+  [[maybe_unused]] Lanes sum[in];
   for (int k = 0; k < in; ++k) {
     x_at[k] = (at[k] & framed ? frame : memory) + offset(at[k]);
     stride[k] = at[k] & uniform ? 0 : lanes;
@@ -110,17 +111,21 @@ void strip_backward(const Step& s, float* memory, float* frame, const int* more,
     backward<Op, Lanes>(x, y, d_y, d_x, data, scatter);
     for (int k = 0; k < in; ++k) {
       const int m = sizeof...(M) ? fixed[std::size_t(k) % fixed.size()] : mode[k];
-      float* const to = d_x_at[k] + (m == summed ? 0 : p * lanes);
+      float* const to = d_x_at[k] + p * lanes;
       if (m == assigned) d_x[k].store(to);
-      else if (m != none) (Lanes::load(to) + d_x[k]).store(to);
+      else if (m == added) (Lanes::load(to) + d_x[k]).store(to);
+      else if (m == summed) sum[k] += d_x[k];
     }
   };
   if constexpr (sizeof...(M) > 0) {
 #pragma GCC unroll 16
     for (int p = 0; p < strip / lanes; ++p) packet(p);
   } else {
+    for (Lanes& x : sum) x = 0.0f;
 #pragma GCC unroll 1
     for (int p = 0; p < strip / lanes; ++p) packet(p);
+    for (int k = 0; k < in; ++k)
+      if (mode[k] == summed) (Lanes::load(d_x_at[k]) + sum[k]).store(d_x_at[k]);
   }
 }
 /// The player of a step back whose adjoints go where modes say.
@@ -144,23 +149,35 @@ template <class Op> constexpr Run* backward_step(const int* modes) {
   return strip_backward<Op>;
 }
 
-/// A product that only one sum or difference reads becomes one operation with it.
+/// Products that only one sum or difference reads become one operation with it; three in a sum, a dot product.
 inline void fuse(Recording& r) {
   std::vector<int> uses(r.nodes.size());
   for (const Node& x : r.nodes)
     for (int k = 0; k < inputs_of(x); ++k) ++uses[std::size_t(x.in[std::size_t(k)])];
   for (const int o : r.outputs) ++uses[std::size_t(o)];
+  // Input k of x, if it is such an operation and can be done where x is.
+  const auto part = [&](const Node& x, std::size_t k, const Info* op) -> const Node* {
+    const Node& m = r.nodes[std::size_t(x.in[k])];
+    const bool fits = m.kind == Kind::operation && m.op == op && m.loop == x.loop && m.varying == x.varying;
+    return fits && uses[std::size_t(x.in[k])] == 1 ? &m : nullptr;
+  };
   for (Node& x : r.nodes) {
     if (x.kind != Kind::operation || (x.op != &info<op::Add> && x.op != &info<op::Sub>)) continue;
-    for (const int k : {0, 1}) {
-      const Node& m = r.nodes[std::size_t(x.in[std::size_t(k)])];
-      if (m.kind != Kind::operation || m.op != &info<op::Mul> || uses[std::size_t(x.in[std::size_t(k)])] != 1) continue;
-      if (m.loop != x.loop || m.varying != x.varying || m.in[0] == m.in[1]) continue;
-      const int other = x.in[std::size_t(1 - k)];
+    for (const std::size_t k : {0u, 1u}) {
+      const Node* const m = part(x, k, &info<op::Mul>);
+      if (!m) continue;
       x.op = x.op == &info<op::Add> ? &info<op::MulAdd> : k == 0 ? &info<op::MulSub> : &info<op::SubMul>;
-      x.in = {m.in[0], m.in[1], other};
+      x.in = {m->in[0], m->in[1], x.in[1 - k]};
       break;
     }
+  }
+  for (Node& x : r.nodes) {
+    if (x.kind != Kind::operation || x.op != &info<op::MulAdd>) continue;
+    const Node* const m = part(x, 2, &info<op::MulAdd>);
+    const Node* const n = m ? part(*m, 2, &info<op::Mul>) : nullptr;
+    if (!n) continue;
+    x.op = &info<op::Dot3>;
+    x.in = {x.in[0], x.in[1], m->in[0], m->in[1], n->in[0], n->in[1]};
   }
 }
 /// The adjoint of input k is that of the output as it is.
@@ -194,6 +211,12 @@ public:
     write_steps();
   }
   const Recording& recording() const { return r; }
+  /// Is there a step that writes the adjoint of this plane?
+  bool writes(int plane) const {
+    for (const Move& f : plane_moves)
+      if (f.to == plane) return true;
+    return false;
+  }
   int bytes_a_pixel() const { return memory / detail::strip * 4; }
 
   void begin(State& s, const Environment& e) const {
@@ -515,7 +538,6 @@ private:
   }
   void back(Block& b, int i) {
     const Node& x = node(i);
-    const bool product = x.op == &info<op::MulAdd>;  // goes back as a product, and what is added as a sum
     std::vector<int> d_y, d_x;
     for (int k = 0; k < x.op->outputs; ++k) d_y.push_back(duty[at(i + k)].adjoint ? adjoint(i + k) : detail::absent);
     bool handed = false;
@@ -529,10 +551,15 @@ private:
         d_x.push_back(detail::none);
       } else d_x.push_back(adjoint(from) | mode);
     }
-    if (product) {
-      back_step(b, &info<op::Mul>, {operand(x.in[0]), operand(x.in[1]), operand(i)}, d_y, {d_x[0], d_x[1]});
-      back_step(b, &info<op::Add>, {operand(x.in[2]), 0, operand(i)}, d_y, {d_x[2], detail::none});
-    } else {
+    // Products go back one by one, and what is added to them as a sum.
+    const int products = x.op == &info<op::Mul> || x.op == &info<op::MulAdd> ? 1 : x.op == &info<op::Dot3> ? 3 : 0;
+    for (std::size_t k = 0; k < 2 * at(products); k += 2) {
+      const int p = x.in[k], q = x.in[k + 1];
+      if (p == q) back_step(b, &info<op::Square>, {operand(p), operand(i)}, d_y, {d_x[k]});
+      else back_step(b, &info<op::Mul>, {operand(p), operand(q), operand(i)}, d_y, {d_x[k], d_x[k + 1]});
+    }
+    if (x.op == &info<op::MulAdd>) back_step(b, &info<op::Add>, {operand(x.in[2]), 0, operand(i)}, d_y, {d_x[2], detail::none});
+    if (!products) {
       std::vector<int> o;
       for (int k = 0; k < x.op->inputs; ++k) o.push_back(operand(x.in[at(k)]));
       for (int k = 0; k < x.op->outputs; ++k) o.push_back(operand(i + k));

@@ -204,7 +204,7 @@ struct CompiledRun {
 };
 struct ReplayRun {
   const Replay& player;
-  static bool writes(int) { return false; }
+  bool writes(int plane) const { return player.writes(plane); }
   void band(Environment& e, int begin, int end, float* const* image, const float* const* d_image, float* d_parameters, int n) const {
     static thread_local Replay::State s;
     player.begin(s, e);
