@@ -28,7 +28,8 @@ Mask fractions(int w, int h, unsigned seed) {
   return mask;
 }
 bool same_bits(const Image& a, const Image& b) {
-  return a.values.size() == b.values.size() && std::memcmp(a.values.data(), b.values.data(), a.values.size() * sizeof(float)) == 0;
+  return a.values.size() == b.values.size() &&
+         std::memcmp(a.values.data(), b.values.data(), a.values.size() * sizeof(float)) == 0;
 }
 /// Every entry of d against central differences of loss(image) with step h; within a part of the largest slope.
 template <class Loss> void check_slopes(Loss loss, Image image, const Image& d, float h, double within) {
@@ -54,8 +55,8 @@ const std::pair<int, int> sizes[] = {{1, 1}, {5, 3}, {16, 1}, {17, 1}, {37, 11}}
 
 TEST_CASE("masked_l1: two pixels by hand", "[fit][value]") {
   Image image(2, 1), photo(2, 1, {0.5f, 0.5f, 0.5f});
-  image.set(0, 0, {0.75f, 0.5f, 0.0f});   // off by 1/4, 0, 1/2, in full
-  image.set(1, 0, {1.5f, -0.5f, 1.0f});   // off by 1, 1, 1/2, by half
+  image.set(0, 0, {0.75f, 0.5f, 0.0f});  // off by 1/4, 0, 1/2, in full
+  image.set(1, 0, {1.5f, -0.5f, 1.0f});  // off by 1, 1, 1/2, by half
   Mask mask(2, 1, 1.0f);
   mask.at(1, 0) = 0.5f;
   const auto [loss, d] = masked_l1(image, photo, mask);
@@ -127,6 +128,14 @@ TEST_CASE("Statistics: mask fractions are weights", "[fit][value]") {
   CHECK(s.mean[1] == Approx((0.75 * 2 - 0.5) / 1.25));
   CHECK(s.variance[0] == Approx(0.375 * 0.5625 / 1.5625));
   CHECK(s.variance[1] == Approx(0.375 * 9 / 1.5625));
+  const Image wide = picture(37, 1, 24);
+  for (int i = 0; i < 37; ++i) {  // one pixel alone
+    Mask only(37, 1);
+    only.at(i, 0) = 0.25f;
+    const Statistics one(wide, only);
+    CHECK(one.area == 0.25);
+    CHECK(one.mean[2] == Approx(wide.plane(2)[i]).epsilon(1e-12));
+  }
   const Statistics none(image, Mask(3, 1));
   CHECK(none.area == 0);
   CHECK(none.mean[0] == 0);
@@ -142,7 +151,8 @@ TEST_CASE("part_statistics: the sum over channels of the two differences", "[fit
   photo.mean[0] += 0.25, photo.mean[2] -= 0.5, photo.variance[1] += 0.125, photo.variance[2] -= 0.0625;
   CHECK(part_statistics(image, mask, photo).first == Approx(0.9375).epsilon(1e-9));
 }
-TEST_CASE("part_statistics: slopes are those of differences, by the mean, by the variance and by both", "[fit][gradient]") {
+TEST_CASE("part_statistics: slopes are those of differences, by the mean, by the variance and by both",
+          "[fit][gradient]") {
   const Image image = picture(13, 7, 8);
   const Mask mask = fractions(13, 7, 9);
   const Statistics own(image, mask);
@@ -151,7 +161,7 @@ TEST_CASE("part_statistics: slopes are those of differences, by the mean, by the
     CAPTURE(by_mean, by_variance);
     Statistics photo = own;
     for (std::size_t c = 0; c < 3; ++c) {
-      // 0: the kink mean = mean or variance = variance. The slope there is given as 0, and so is the weight in the loss below.
+      // 0: the kink mean = mean or variance = variance. The slope there is given as 0, as it is of the loss below.
       photo.mean[c] += by_mean * double(c + 1), photo.variance[c] += by_variance;
     }
     const auto loss = [&](const Image& at) {
@@ -182,7 +192,8 @@ TEST_CASE("losses: they add to what is there, each by its weight", "[fit][value]
   CHECK(part_statistics(image, part, theirs, 0.25, d) == Approx(0.25 * statistics).epsilon(1e-12));
   for (int c = 0; c < 3; ++c)
     for (int i = 0; i < 84; ++i)
-      CHECK(d.plane(c)[i] == Approx(float(c + 1) + 0.5f * d_l1.plane(c)[i] + 0.25f * d_statistics.plane(c)[i]).epsilon(1e-6));
+      CHECK(d.plane(c)[i] ==
+            Approx(float(c + 1) + 0.5f * d_l1.plane(c)[i] + 0.25f * d_statistics.plane(c)[i]).epsilon(1e-6));
 }
 TEST_CASE("losses: an empty mask gives 0 and touches nothing", "[fit][limit]") {
   const Image image = picture(9, 2, 14), photo = picture(9, 2, 15);
@@ -204,12 +215,15 @@ TEST_CASE("losses: what lies outside the mask is neither read nor touched", "[fi
     mask.values[0] = 1;
     Image clean_d(w, h);
     const Statistics clean(clean_photo, mask);
-    const double l1 = masked_l1(clean_image, clean_photo, mask, 1, clean_d), part = part_statistics(clean_image, mask, clean, 1, clean_d);
-    const float odd[] = {std::nanf(""), std::numeric_limits<float>::infinity(), -std::numeric_limits<float>::infinity(), -0.0f};
+    const double l1 = masked_l1(clean_image, clean_photo, mask, 1, clean_d),
+                 part = part_statistics(clean_image, mask, clean, 1, clean_d);
+    const float odd[] = {std::nanf(""), std::numeric_limits<float>::infinity(), -std::numeric_limits<float>::infinity(),
+                         -0.0f};
     for (int c = 0; c < 3; ++c)
       for (int i = 0; i < w * h; ++i)
         if (mask.values[std::size_t(i)] == 0)
-          image.plane(c)[i] = odd[i % 4], photo.plane(c)[i] = odd[(i + c) % 4], clean_d.plane(c)[i] = d.plane(c)[i] = odd[(i + 3) % 4];
+          image.plane(c)[i] = odd[i % 4], photo.plane(c)[i] = odd[(i + c) % 4],
+          clean_d.plane(c)[i] = d.plane(c)[i] = odd[(i + 3) % 4];
     const Statistics s(photo, mask);
     CHECK(s.mean == clean.mean);
     CHECK(s.variance == clean.variance);
@@ -218,7 +232,8 @@ TEST_CASE("losses: what lies outside the mask is neither read nor touched", "[fi
     CHECK(same_bits(d, clean_d));
   }
 }
-TEST_CASE("losses: a number that is none inside the mask shows in the loss, and in no other pixel's slope", "[fit][limit]") {
+TEST_CASE("losses: a number that is none inside the mask shows in the loss, and in no other pixel's slope",
+          "[fit][limit]") {
   const Mask mask(20, 3, 1);
   const Image photo = picture(20, 3, 19);
   const Statistics theirs(photo, mask);
