@@ -1,7 +1,8 @@
 // burnish/burnish.h -- everything that needs no third party
 // SPDX-License-Identifier: Apache-2.0
 //
-// Left out: burnish/scene/raycast.h, which needs Embree, and burnish/io/, which needs OpenImageIO and Assimp.
+// Left out: burnish/scene/raycast.h, which needs Embree, burnish/io/, which needs OpenImageIO and Assimp, and what only
+// readers of meshes want: burnish/scene/clean.h and vehicle.h.
 #pragma once
 #include <burnish/ad/check.h>
 #include <burnish/ad/compiled.h>
@@ -35,12 +36,10 @@
 #include <burnish/nodes/tint.h>
 #include <burnish/nodes/window_glass.h>
 #include <burnish/scene/camera.h>
-#include <burnish/scene/clean.h>
 #include <burnish/scene/error.h>
 #include <burnish/scene/gbuffer.h>
 #include <burnish/scene/image.h>
 #include <burnish/scene/mesh.h>
-#include <burnish/scene/vehicle.h>
 #include <burnish/shade/brdf.h>
 #include <burnish/shade/coat.h>
 #include <burnish/shade/diffuse.h>

@@ -3,17 +3,25 @@
 //
 // A difference with a fixed step misjudges a right slope near an edge and a wrong one where rounding rules. Here the central
 // difference is taken at eight steps, each half the last, and extrapolated (Richardson 1911; Ridders 1982); how well
-// the extrapolations agree is the judge's own error. Where that error is not small the verdict is `undecided`: an edge
-// (max, floor, a lattice line) lies within the steps, or the function is too rough for its rounding.
+// the extrapolations agree is the judge's own error. Where that error is not small, or where the slopes to the left and to
+// the right do not meet, the verdict is `undecided`: an edge (max, floor, a lattice line) lies at the point or within the
+// steps, or the function is too rough for its rounding.
 #pragma once
 #include <algorithm>
-#include <random>
-#include <sstream>
+#include <cstdio>
 #include <burnish/ad/differentiate.h>
 
 namespace burnish {
 
 enum class Verdict { right, wrong, undecided };
+
+namespace detail {
+inline std::string digits(double x, int count) {
+  char text[40];
+  std::snprintf(text, sizeof text, "%.*g", count, x);
+  return text;
+}
+}  // namespace detail
 
 /// The worst parameter found.
 struct GradientCheck {
@@ -26,12 +34,10 @@ struct GradientCheck {
 
   explicit operator bool() const { return verdict != Verdict::wrong; }
   std::string text() const {
-    std::ostringstream s;
-    s.precision(9);
-    s << (verdict == Verdict::right ? "right" : verdict == Verdict::wrong ? "wrong" : "undecided") << ": d/d " << parameter
-      << " = " << slope << ", differences say " << difference << " +- " << uncertainty << " of scale, error " << error
-      << " at " << point;
-    return s.str();
+    const char* const words = verdict == Verdict::right ? "right" : verdict == Verdict::wrong ? "wrong" : "undecided";
+    return std::string(words) + ": d/d " + parameter + " = " + detail::digits(slope, 9) + ", differences say " +
+           detail::digits(difference, 9) + " +- " + detail::digits(uncertainty, 3) + " of scale, error " +
+           detail::digits(error, 3) + " at " + point;
   }
 };
 
@@ -42,20 +48,26 @@ struct Difference {
 /// d f / d x at x by central differences, extrapolated to step zero.
 template <class F> Difference difference(F f, double x, double step) {
   constexpr int levels = 8;
-  double table[levels][levels], best = 0, spread = std::numeric_limits<double>::infinity();
+  double table[levels][levels], best = 0, spread = std::numeric_limits<double>::infinity(), bend[levels];
+  const double here = f(x);
   for (int i = 0; i < levels; ++i, step /= 2) {
     const volatile double up = x + step, down = x - step;
-    table[i][0] = (f(up) - f(down)) / (up - down);
+    const double above = f(up), below = f(down);
+    table[i][0] = (above - below) / (up - down);
+    bend[i] = std::fabs((above - here) / (up - x) - (here - below) / (x - down));
+    const double rounding = std::numeric_limits<double>::epsilon() * std::max(std::fabs(above), std::fabs(below)) / step;
     double power = 4;
     for (int j = 1; j <= i; ++j, power *= 4) {
       table[i][j] = table[i][j - 1] + (table[i][j - 1] - table[i - 1][j - 1]) / (power - 1);
-      const double e = std::max(std::fabs(table[i][j] - table[i][j - 1]), std::fabs(table[i][j] - table[i - 1][j - 1]));
+      const double e = std::max({std::fabs(table[i][j] - table[i][j - 1]), std::fabs(table[i][j] - table[i - 1][j - 1]), rounding});
       if (e < spread) {
         spread = e;
         best = table[i][j];
       }
     }
   }
+  // Left and right slopes of a smooth function approach each other as the step does zero; at a kink they keep their distance.
+  if (bend[levels - 1] > 0.5 * bend[0] && bend[levels - 1] > 1e-6 * std::fabs(best)) spread = std::max(spread, bend[levels - 1]);
   return {best, spread};
 }
 }  // namespace detail
@@ -106,10 +118,8 @@ template <class F, class... Args> GradientCheck check_gradient(F&& f, double tol
       worst.uncertainty = doubt;
     }
   }
-  std::ostringstream s;
-  s.precision(17);
-  for (std::size_t i = 0; i < at.size(); ++i) s << (i ? ", " : "") << names[i] << " = " << *at[i];
-  worst.point = s.str();
+  for (std::size_t i = 0; i < at.size(); ++i)
+    worst.point += (i ? ", " : "") + names[i] + " = " + detail::digits(*at[i], 17);
   return worst;
 }
 /// With a tolerance of 1e-7 and a first step of 1e-2.
@@ -117,13 +127,15 @@ template <class F, class... Args> GradientCheck check_gradient(F&& f, const Args
   return check_gradient(f, 1e-7, 1e-2, args...);
 }
 
-/// Every number of p somewhere inside its range, open ranges taken as -2 to 2. margin keeps off both ends, as a part of the width.
+/// Every number of p somewhere inside its range, open ranges taken as -2 to 2. margin keeps off both ends, as a part of the
+/// width. Random is any generator of the standard's kind, the numbers the same in every library.
 template <class P, class Random> void randomize(P& p, Random& random, double margin = 0.01) {
   for_each_parameter(p, [&]<class X>(const std::string&, X& x, Range range) {
     if constexpr (Plain<X>) {
       const double low = range.low <= anything.low ? -2 : range.low, high = range.high >= anything.high ? 2 : range.high;
       const double pad = margin * (high - low);
-      x = X(std::uniform_real_distribution<double>(low + pad, high - pad)(random));
+      const double part = double(random() - Random::min()) / double(Random::max() - Random::min());
+      x = X(low + pad + (high - low - 2 * pad) * part);
     }
   });
 }

@@ -136,6 +136,20 @@ template <std::size_t I, class A, class B> constexpr void copy_fixed_member(A& a
   else copy_fixed(a.*p.member, b.*q.member);
 }
 
+template <class A> constexpr bool has_fixed_members();
+template <class A, std::size_t... I> constexpr bool any_fixed(std::index_sequence<I...>) {
+  return (... || [] {
+    constexpr auto p = std::get<I>(A::parameters());
+    if constexpr (is_fixed<std::remove_cv_t<decltype(p)>>) return true;
+    else return has_fixed_members<std::remove_cvref_t<decltype(std::declval<A&>().*p.member)>>();
+  }());
+}
+/// Does A, or a struct in it, carry what is never fitted?
+template <class A> constexpr bool has_fixed_members() {
+  if constexpr (Model<A>) return any_fixed<A>(std::make_index_sequence<listed<A>>{});
+  else return false;
+}
+
 template <class F, class A> void named_leaf(F& f, A& a, const std::string& name, Range range);
 template <std::size_t I, class F, class A> void named_member(F& f, A& a, const std::string& prefix, Range range) {
   constexpr auto p = std::get<I>(std::remove_cv_t<A>::parameters());

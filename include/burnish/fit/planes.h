@@ -14,6 +14,7 @@ template <template <class> class P> struct Planes {
   std::array<Floats, std::size_t(fields)> plane;
 
   explicit Planes(int n = 0, const P<float>& value = {}) : length(n) {
+    static_assert(!detail::has_fixed_members<P<float>>(), "burnish: planes hold numbers only; what is Fixed goes into data");
     std::size_t k = 0;
     each([&](float x) { plane[k++].assign(padded(std::size_t(n), tile), x); }, value);
   }
