@@ -104,7 +104,10 @@ template <class F, class... Args> GradientCheck check_gradient(F&& f, double tol
     *at[i] = x0;
     const double scale = std::max({std::fabs(slopes[i]), std::fabs(numeric.slope), 0.01 * largest, 1e-9 * f0, 1e-30});
     const double error = std::fabs(slopes[i] - numeric.slope) / scale, doubt = numeric.uncertainty / scale;
-    Verdict v = error <= tolerance ? Verdict::right : doubt <= tolerance ? Verdict::wrong : Verdict::undecided;
+    // Where f is level, slope and difference are both nothing but rounding.
+    const double nothing = 1e-9 * std::max(f0, 1e-3);
+    const bool level = std::fabs(slopes[i]) <= nothing && std::fabs(numeric.slope) <= nothing + numeric.uncertainty;
+    Verdict v = error <= tolerance || level ? Verdict::right : doubt <= tolerance ? Verdict::wrong : Verdict::undecided;
     if (!std::isfinite(slopes[i])) v = Verdict::wrong;
     ++worst.checked;
     worst.undecided += v == Verdict::undecided;
