@@ -36,12 +36,14 @@ struct Adam {
       x -= rate * width * (m / c1) / (std::sqrt(v / c2) + epsilon / std::max(width, 1e-6f));
       x = std::min(std::max(x, r.low), r.high);
     };
-    each([&]<class X>(X& x, const X& g) {
-      const Range r = ranges[leaf++];
-      if constexpr (Plain<X>) one(x, g, r);
-      else
-        for (std::size_t k = 0; k < x.texels.size(); ++k) one(x.texels[k], g.texels[k], r);
-    }, model, d);
+    each(
+        [&]<class X>(X& x, const X& g) {
+          const Range r = ranges[leaf++];
+          if constexpr (Plain<X>) one(x, g, r);
+          else
+            for (std::size_t k = 0; k < x.texels.size(); ++k) one(x.texels[k], g.texels[k], r);
+        },
+        model, d);
   }
 
   /// Throws Error where a derivative is no number: "d flakes.amount is nan at step 12".
@@ -49,7 +51,8 @@ struct Adam {
     for_each_parameter(d, [&]<class X>(const std::string& name, const X& g, Range) {
       const auto one = [&](float x) {
         if (!std::isfinite(x))
-          throw Error("d " + name + " is " + (std::isnan(x) ? "nan" : "infinite") + " at step " + std::to_string(steps + 1));
+          throw Error("d " + name + " is " + (std::isnan(x) ? "nan" : "infinite") + " at step " +
+                      std::to_string(steps + 1));
       };
       if constexpr (Plain<X>) one(g);
       else
