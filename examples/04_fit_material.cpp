@@ -11,9 +11,12 @@
 #include <burnish/io/model.h>
 #include <burnish/io/report.h>
 #include <burnish/scene/raycast.h>
+#include "certainty.h"
 #include "progress.h"
+#include "vehicle_parts.h"
 
 using namespace burnish;
+using parts::Role;
 
 namespace {
 
@@ -27,6 +30,12 @@ inline constexpr auto developed = []<class T>(const vec3<T>& light) {
   };
   return vec3<T>(film(light.x), film(light.y), film(light.z));
 };
+/// The light that a camera made this of; white itself is taken as 2.6.
+float undeveloped(float x) {
+  const float y = detail::from_srgb(x);
+  return y < 0.8f ? y : 0.8f - 0.2f * std::log(std::max(1 - 5 * (y - 0.8f), 1e-4f));
+}
+
 inline constexpr auto painted = [](const auto& paint, const auto& at, const auto& light, const auto& suns, const auto& strength) {
   return developed(illuminate(paint(at), at, light, suns, strength));
 };
@@ -44,110 +53,17 @@ inline constexpr auto glazed = [](const auto& window, const auto& at, const auto
   const auto through = transmittance(surface, dot(at.normal, at.view)) * window.behind * strength.sky;
   return developed(illuminate(surface, at, light, suns, strength) + through);
 };
-/// What is not fitted keeps the file's colour.
-template <class T> struct FileColor {
-  vec3<T> base_color;
-  static constexpr auto parameters() { return std::tuple{Param{"base_color", &FileColor::base_color, unit}}; }
-};
-inline constexpr auto plain = [](const auto& part, const auto& at, const auto& light, const auto& suns, const auto& strength) {
-  Surface<std::remove_cvref_t<decltype(part.base_color.x)>> surface;
-  surface.base_color = part.base_color;
-  surface.specular_roughness = 0.5f;
-  return developed(illuminate(surface, at, light, suns, strength));
+/// A look that is recorded when it runs: builds faster and plays slower; for the small parts.
+template <class Look> struct AtRunTime {
+  const Look* look;
+  template <class... X> constexpr auto operator()(const X&... x) const { return (*look)(x...); }
 };
 
-// ---- which part is what ----------------------------------------------------------------------------------------------
-
-enum class Role { paint, glass, rubber, other };
-constexpr std::array<const char*, 4> role_names{"paint", "glass", "rubber", "other"};
-
-std::string lower(std::string s) {
-  for (char& c : s) c = char(std::tolower(static_cast<unsigned char>(c)));
-  return s;
-}
-bool any_of(const std::string& text, std::initializer_list<const char*> words) {
-  for (const char* w : words)
-    if (text.find(w) != std::string::npos) return true;
-  return false;
-}
-/// By the words in a part's names and by its opacity; the paint is the material of the largest seen area among the rest.
-/// `given`: "material=role", which outweighs all guesses.
-std::vector<Role> roles_of(const GBuffer& g, const std::vector<std::string>& given) {
-  std::vector<int> area(g.parts.size());
-  for (const int p : g.part) ++area[std::size_t(p)];
-  std::vector<Role> roles(g.parts.size(), Role::other);
-  std::vector<bool> open(g.parts.size(), true);
-  std::vector<double> by_material;
-  for (std::size_t i = 0; i < g.parts.size(); ++i) {
-    const Part& p = g.parts[i];
-    const std::string words = lower(p.name + " " + p.material), material = lower(p.material);
-    if (any_of(words, {"glass", "window", "windsh", "vitre", "verre", "glas"}) || p.opacity < 0.75f) roles[i] = Role::glass, open[i] = false;
-    if (any_of(words, {"tire", "tyre", "rubber", "pneu", "wheel", "wheek"})) roles[i] = Role::rubber, open[i] = false;
-    if (any_of(words, {"chrome", "light", "lamp", "optic", "interior", "seat", "plate", "mirror", "black", "grill", "door_line", "doorline", "rim"}))
-      roles[i] = roles[i] == Role::glass || roles[i] == Role::rubber ? roles[i] : Role::other, open[i] = false;
-    for (const std::string& g_ : given) {
-      const std::size_t eq = g_.find('=');
-      if (eq == std::string::npos || lower(g_.substr(0, eq)) != material) continue;
-      const auto found = std::find(role_names.begin(), role_names.end(), g_.substr(eq + 1));
-      if (found == role_names.end()) throw Error("--role " + g_ + ": expected material=paint, glass, rubber or other");
-      roles[i] = Role(found - role_names.begin()), open[i] = false;
-    }
-    by_material.resize(std::max(by_material.size(), std::size_t(p.material_index) + 1));
-    if (open[i]) by_material[std::size_t(p.material_index)] += area[i];
-  }
-  if (std::find(roles.begin(), roles.end(), Role::paint) == roles.end()) {
-    const auto largest = std::max_element(by_material.begin(), by_material.end());
-    for (std::size_t i = 0; i < g.parts.size(); ++i)
-      if (open[i] && g.parts[i].material_index == int(largest - by_material.begin())) roles[i] = Role::paint;
-  }
-  return roles;
-}
-
-// ---- the photo, the light, and one part against it -------------------------------------------------------------------
-
-struct Photo {
-  Image image;            // as the camera developed it: sRGB values 0 to 1
-  Mask vehicle;           // 0 to 1
-  std::vector<int> label; // of each pixel: 1 paint, 2 glass, 3 rubber, 4 other, 0 not the vehicle; empty: not known
-
-  /// The window that the vehicle is in.
-  Photo cropped(int x, int y, int w, int h) const {
-    Photo p{burnish::cropped(image, x, y, w, h), burnish::cropped(vehicle, x, y, w, h), {}};
-    if (label.empty()) return p;
-    p.label.assign(std::size_t(w) * std::size_t(h), 0);
-    for (int j = std::max(0, -y); j < std::min(h, image.height - y); ++j)
-      for (int i = std::max(0, -x); i < std::min(w, image.width - x); ++i)
-        p.label[std::size_t(j) * std::size_t(w) + std::size_t(i)] = label[std::size_t(y + j) * std::size_t(image.width) + std::size_t(x + i)];
-    return p;
-  }
-  Mask of(Role role) const {
-    if (label.empty()) return role == Role::paint ? vehicle : Mask(vehicle.width, vehicle.height);
-    Mask m = vehicle;
-    for (std::size_t i = 0; i < label.size(); ++i) m.values[i] *= label[i] == int(role) + 1 ? 1.0f : 0.0f;
-    return m;
-  }
+struct Vehicle {
+  CarPaint<float> paint;
+  Window<float> window;
+  Rubber<float> rubber;
 };
-struct Lit {
-  GBuffer pixels;
-  LightOf<float> light;
-};
-struct World {
-  EnvironmentLight sky;
-  LightStrength<float> strength;
-  vec3<float> occluded;  // radiance of what hides the sky: the vehicle itself, taken as a rough grey
-};
-Lit gather(const World& world, const Raycaster& scene, GBuffer g) {
-  const auto blocked = [&](int i, std::span<const vec3<float>> directions, std::span<std::uint8_t> out) {
-    static thread_local std::vector<vec3<float>> origins;
-    origins.assign(directions.size(), scene.lift(g.at(i).position, g.geometric_normal(i)));
-    scene.occluded(origins, directions, out);
-  };
-  Illumination light(world.sky, g, blocked, {.rings = Rings::Size::medium, .occluded = world.occluded});
-  return {std::move(g), LightOf<float>(std::move(light))};
-}
-template <class Look> auto lit_look(const Look& look, const Lit& lit, const World& world) {
-  return with(look, lit.light, world.sky.suns, world.strength);
-}
 
 struct Options {
   std::string photo = "/usr/share/darknet/data/dog.jpg", mask, parts, camera;
@@ -157,23 +73,192 @@ struct Options {
   std::vector<std::string> roles, freeze = {"tint", "coat_ior", "mottle.size", "flakes.size", "flakes.resolved",
                                             "glass.base_color", "glass.specular_roughness", "glass.specular_ior", "specular_ior"};
   float yaw = 106, exposure = 0, rate = 0.02f, prior = 0.02f;
-  int steps = 300, threads = 0;
-  bool defaults = false;
+  int steps = 300, threads = 0, pixels = 40000;
+
+  /// Whether a parameter, or what it is a member of, is frozen.
+  bool frozen(const std::string& parameter) const {
+    return std::any_of(freeze.begin(), freeze.end(), [&](const auto& f) { return parameter == f || parameter.rfind(f + ".", 0) == 0; });
+  }
 };
 
-bool named(const std::string& parameter, const std::vector<std::string>& names) {
-  return std::any_of(names.begin(), names.end(), [&](const std::string& n) { return parameter == n || parameter.rfind(n + ".", 0) == 0; });
+// ---- what is read ----------------------------------------------------------------------------------------------------
+
+struct Photo {
+  Image image;             // as the camera developed it: sRGB values 0 to 1
+  Mask vehicle;            // 0 to 1
+  std::vector<int> label;  // of each pixel: 1 paint, 2 glass, 3 rubber, 4 other, 0 not the vehicle; empty: not known
+
+  /// The window that the vehicle is in, made smaller by a factor.
+  Photo window(int x, int y, int w, int h, const Camera& camera) const {
+    Photo p{resized(cropped(image, x, y, w, h), camera.width, camera.height), resized(cropped(vehicle, x, y, w, h), camera.width, camera.height), {}};
+    for (int i = 0; i < camera.width * camera.height && !label.empty(); ++i) {
+      const int px = x + (i % camera.width * 2 + 1) * w / (2 * camera.width), py = y + (i / camera.width * 2 + 1) * h / (2 * camera.height);
+      const bool inside = px >= 0 && px < image.width && py >= 0 && py < image.height;
+      p.label.push_back(inside ? label[std::size_t(py) * std::size_t(image.width) + std::size_t(px)] : 0);
+    }
+    return p;
+  }
+  Mask of(Role role) const {
+    if (label.empty()) return role == Role::paint ? vehicle : Mask(vehicle.width, vehicle.height);
+    Mask m = vehicle;
+    for (std::size_t i = 0; i < label.size(); ++i) m.values[i] *= label[i] == int(role) + 1 ? 1.0f : 0.0f;
+    return m;
+  }
+};
+struct Inputs {
+  Photo photo;
+  Camera camera;
+  Image panorama;
+  Mesh mesh;
+  MeshReport report;
+  std::vector<parts::GivenRole> roles;
+  FitState<CarPaint<float>> paint;
+  FitState<Window<float>> window;
+  FitState<Rubber<float>> rubber;
+};
+template <class M> void resume(FitState<M>& state, const Options& o, const char* file, bool needed) {
+  const std::string path = o.resume + "/" + file;
+  if (!o.resume.empty() && (needed || std::filesystem::exists(path))) from_json(parse_json(path), state, path);
 }
+/// Everything is read and checked before any work is done and before anything is written.
+Inputs read(const Options& o) {
+  Inputs in;
+  for (const std::string& r : o.roles) in.roles.push_back(parts::parse_role(r));
+  Vehicle start;
+  start.paint.base_metalness = 0.1f;
+  in.paint = FitState(start.paint, Adam{.rate = o.rate});
+  in.window = FitState(start.window, Adam{.rate = o.rate});
+  in.rubber = FitState(start.rubber, Adam{.rate = o.rate});
+  for (const std::string& f : o.freeze) {
+    bool known = false;
+    const auto look = [&](const std::string& name, auto&, Range) { known |= name == f || name.rfind(f + ".", 0) == 0; };
+    for_each_parameter(start.paint, look), for_each_parameter(start.window, look), for_each_parameter(start.rubber, look);
+    if (!known) throw Error("--freeze " + f + ": no material has such a parameter");
+  }
+  resume(in.paint, o, "paint.state.json", true), resume(in.window, o, "glass.state.json", false), resume(in.rubber, o, "rubber.state.json", false);
+
+  const Image photo = read_photo(o.photo);
+  in.photo.image = Image(photo.width, photo.height);
+  for (std::size_t i = 0; i < photo.values.size(); ++i) in.photo.image.values[i] = detail::to_srgb(std::clamp(photo.values[i], 0.0f, 1.0f));
+  in.photo.vehicle = read_mask(o.mask, photo.width, photo.height);
+  if (!o.parts.empty()) in.photo.label = read_labels(o.parts, photo.width, photo.height);
+  const Mask paint = in.photo.of(Role::paint);
+  if (std::none_of(paint.values.begin(), paint.values.end(), [](float x) { return x > 0.5f; }))
+    throw Error((o.parts.empty() ? o.mask : o.parts) + ": no pixel is marked as the vehicle's paint, expected some");
+  in.camera = read_camera(o.camera);
+  if (in.camera.width != photo.width || in.camera.height != photo.height)
+    throw Error(o.camera + ": camera " + std::to_string(in.camera.width) + " x " + std::to_string(in.camera.height) + ", photo " +
+                std::to_string(photo.width) + " x " + std::to_string(photo.height) + ": they must agree");
+  in.panorama = read_photo(o.environment);
+  in.mesh = read_vehicle(o.vehicle, &in.report);
+  return in;
+}
+
+// ---- the light -------------------------------------------------------------------------------------------------------
+
+struct World {
+  EnvironmentLight sky;
+  LightStrength<float> strength;
+  vec3<float> occluded;  // radiance of what hides the sky: the vehicle itself, taken as a rough grey
+};
+/// What the camera sees, apart by role, and the light on all of it, gathered once.
+struct Shot {
+  std::array<GBuffer, 4> parts;
+  LightOf<float> light;
+  const GBuffer& operator[](Role r) const { return parts[std::size_t(r)]; }
+};
+Shot gather(const World& world, const Raycaster& scene, const GBuffer& g, const std::vector<Role>& roles, Rings::Size rings) {
+  std::vector<int> order;  // the paint's surfels first: they lie together in the light's tables
+  std::array<std::vector<int>, 4> places;
+  for (std::size_t r = 0; r < 4; ++r)
+    for (int i = 0; i < g.size(); ++i)
+      if (roles[std::size_t(i)] == Role(r)) places[r].push_back(int(order.size())), order.push_back(i);
+  const GBuffer sorted = g.picked(order);
+  const auto blocked = [&](int i, std::span<const vec3<float>> directions, std::span<std::uint8_t> out) {
+    static thread_local std::vector<vec3<float>> origins;
+    origins.assign(directions.size(), scene.lift(sorted.at(i).position, sorted.geometric_normal(i)));
+    scene.occluded(origins, directions, out);
+  };
+  Shot shot{{}, LightOf<float>(Illumination(world.sky, sorted, blocked, {.rings = rings, .occluded = world.occluded}))};
+  for (std::size_t r = 0; r < 4; ++r) shot.parts[r] = sorted.picked(places[r], false);
+  return shot;
+}
+template <class Look> auto lit(const Look& look, const Shot& shot, const World& world) {
+  return with(look, shot.light, world.sky.suns, world.strength);
+}
+/// Neutral on average, and as strong as a street of middling grey (albedo 0.2) must have been lit to give the photo's mean
+/// brightness.
+World world_of(const Options& o, const Inputs& in) {
+  World world{EnvironmentLight(in.panorama, o.yaw * pi / 180), {}, {}};
+  const IrradianceMap irradiance(world.sky);
+  vec3<float> mean;
+  for (const vec3<float>& n : {vec3<float>{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0, 0, -1}}) {
+    const auto e = irradiance(n);
+    mean += vec3<float>(e[0], e[1], e[2]) * 0.2f;
+    for (const Sun<float>& s : world.sky.suns) mean += s.power * (0.2f * std::max(0.0f, dot(n, s.direction)));
+  }
+  world.occluded = mean * (0.2f * inverse_pi);
+  double brightness = 0;
+  const int n = in.photo.image.width * in.photo.image.height;
+  for (int c = 0; c < 3; ++c)
+    for (int i = 0; i < n; ++i) brightness += double(undeveloped(in.photo.image.plane(c)[i])) / (3.0 * n);
+  const vec3<float> grey = vec3<float>(float(brightness) / (0.2f * inverse_pi)) / mean;
+  world.strength.sky = world.strength.sun = o.exposure > 0 ? vec3<float>(o.exposure) : grey;
+  return world;
+}
+/// How many times stronger the light must be for half of the paint's pixels to need no albedo above 0.8, the whitest that
+/// paints are; at least 1.
+float white_point(const Shot& shot, const World& world, const Photo& photo, const Mask& overlap) {
+  CarPaint<float> white;
+  white.base_color = {0.8f, 0.8f, 0.8f}, white.base_metalness = 0;
+  const Image image = render(shot[Role::paint], lit(painted, shot, world), white);
+  std::vector<float> ratio;
+  for (std::size_t i = 0; i < overlap.values.size(); ++i) {
+    if (overlap.values[i] < 0.5f) continue;
+    const auto light = [&](const Image& from) {
+      return luminance(vec3<float>(undeveloped(from.plane(0)[i]), undeveloped(from.plane(1)[i]), undeveloped(from.plane(2)[i])));
+    };
+    ratio.push_back(light(photo.image) / std::max(light(image), 1e-4f));
+  }
+  if (ratio.empty()) return 1;
+  std::nth_element(ratio.begin(), ratio.begin() + std::ptrdiff_t(ratio.size() / 2), ratio.end());
+  return std::clamp(ratio[ratio.size() / 2], 1.0f, 8.0f);
+}
+
+// ---- one part against the photo --------------------------------------------------------------------------------------
+
+struct Weights {
+  double aligned, statistics;
+};
+/// The paint lies on the paint; a wheel or a pane of another model does not lie on the photo's, so there the whole part's
+/// mean and variance count more than its pixels, and the tenth that is brightest and the tenth that is darkest do not.
+constexpr Weights weights_of(Role r) { return r == Role::paint ? Weights{1, 0.1} : Weights{0.1, 1}; }
+
+Mask both(Mask a, const Mask& b) {
+  for (std::size_t i = 0; i < a.values.size(); ++i) a.values[i] *= b.values[i];
+  return a;
+}
+Mask without_extremes(const Image& image, Mask mask) {
+  const auto y = [&](std::size_t i) { return luminance(vec3<float>(image.plane(0)[i], image.plane(1)[i], image.plane(2)[i])); };
+  std::vector<float> all;
+  for (std::size_t i = 0; i < mask.values.size(); ++i)
+    if (mask.values[i] > 0.5f) all.push_back(y(i));
+  std::sort(all.begin(), all.end());
+  for (std::size_t i = 0; i < mask.values.size() && !all.empty(); ++i)
+    if (mask.values[i] > 0 && (y(i) < all[all.size() / 10] || y(i) > all[all.size() - 1 - all.size() / 10])) mask.values[i] = 0;
+  return mask;
+}
+
 /// What the photo does not tell stays near where it began: a parabola over every parameter's range but a colour's, added to
 /// the loss and to d. Frozen parameters lose their derivative.
 template <class M> double hold_back(const M& model, const M& start, M& d, const Options& options) {
   double loss = 0;
-  std::vector<std::tuple<std::string, Range>> names;
+  std::vector<std::pair<std::string, Range>> names;
   for_each_parameter(d, [&](const std::string& name, auto&, Range r) { names.push_back({name, r}); });
   std::size_t i = 0;
   each([&](float& slope, const float& x, const float& x0) {
     const auto& [name, range] = names[i++];
-    if (named(name, options.freeze)) slope = 0;
+    if (options.frozen(name)) slope = 0;
     else if (name.find("color") == std::string::npos && name.find("behind") == std::string::npos) {
       const float width = range.high - range.low, off = (x - x0) / width;
       loss += double(options.prior * off * off);
@@ -183,109 +268,140 @@ template <class M> double hold_back(const M& model, const M& start, M& d, const 
   return loss;
 }
 
-/// Fits one part's model to the photo; gives what was found.
-template <class M, class Look>
-FitState<M> fit_part(const char* name, const M& start, const Look& look, const Lit& lit, const World& world, const Photo& photo,
-                     Role role, const Options& options, const std::string& checkpoint) {
-  const Mask target = photo.of(role), cover = lit.pixels.frame("coverage");
-  Mask overlap = target;
-  for (std::size_t i = 0; i < overlap.values.size(); ++i) overlap.values[i] *= cover.values[i];
-  const Statistics statistics(photo.image, target);
-  const auto seen = lit_look(look, lit, world);
-  FitState<M> state(start, Adam(options.rate));
-  if (!options.resume.empty() && std::filesystem::exists(options.resume + "/" + checkpoint))
-    from_json(parse_json(options.resume + "/" + checkpoint), state, options.resume + "/" + checkpoint);
+/// A part's fit: its state, and what is said about it.
+template <class M> struct Fitted {
+  FitState<M> state;
+  std::vector<double> deviation;  // of every number
+  int pixels = 0;                 // that lie on the photo's part
+  double seconds = 0;
+};
+template <class M, class Look> Fitted<M> fit_part(Role role, const M& start, FitState<M> state, const Look& look, const Shot& shot,
+                                                  const World& world, const Photo& photo, const Options& options) {
+  const std::string name = parts::role_names[std::size_t(role)], checkpoint = options.output + "/" + name + ".state.json";
+  const GBuffer& g = shot[role];
+  const Mask target = photo.of(role), cover = g.frame("coverage"), overlap = both(target, cover);
+  const Statistics statistics(photo.image, role == Role::paint ? target : without_extremes(photo.image, target));
+  const auto seen = lit(look, shot, world);
   const int n = int(std::count_if(overlap.values.begin(), overlap.values.end(), [](float x) { return x > 0; }));
   Progress progress(name);
-  if (lit.pixels.size() == 0 || statistics.area == 0 || n == 0) {
-    progress.finish(lit.pixels.size() == 0 ? "not seen in the model: left as it is" : "no such part in the photo: left as it is");
-    return state;
+  Fitted<M> out{std::move(state), {}, n, 0};
+  if (n == 0) {
+    progress.finish(g.size() == 0 ? "not seen in the model: left as it is" : "not where the photo has it: left as it is");
+    return out;
   }
   Image image(photo.image.width, photo.image.height), d_image = image;
-  const Patience patience{.steps = options.steps};
-  fit(state, [&](const M& model, M& d) {
-    render(lit.pixels, seen, model, image);
+  const Weights weights = weights_of(role);
+  const auto save = [&](const FitState<M>& s) { write_text(checkpoint, to_json(s).dump() + "\n"); };
+  fit(out.state, [&](const M& model, M& d) {
+    render(g, seen, model, image);
     std::fill(d_image.values.begin(), d_image.values.end(), 0.0f);
-    const double loss = masked_l1(image, photo.image, overlap, 1, d_image) + part_statistics(image, cover, statistics, 0.1, d_image);
-    backward(lit.pixels, seen, model, d_image, d);
+    const double loss = masked_l1(image, photo.image, overlap, weights.aligned, d_image) +
+                        part_statistics(image, cover, statistics, weights.statistics, d_image);
+    backward(g, seen, model, d_image, d);
     const double pull = hold_back(model, start, d, options);
     try {
-      state.adam.check(d);
+      out.state.adam.check(d);
     } catch (const Error& e) {
-      const auto place = surfel_to_blame(lit.pixels, seen, model, d_image);
+      const auto place = surfel_to_blame(g, seen, model, d_image);
       if (!place) throw;
-      const int p = lit.pixels.pixel[std::size_t(*place)];
+      const int p = g.pixel[std::size_t(*place)];
       throw Error(std::string(e.what()) + ", pixel (" + std::to_string(p % image.width) + ", " + std::to_string(p / image.width) + ")");
     }
     return loss + pull;
-  }, patience, [&](const FitState<M>& s) {
+  }, Patience{.steps = options.steps}, [&](const FitState<M>& s) {
     char note[64];
     std::snprintf(note, sizeof note, "loss %.4f", s.losses.back());
     progress.show(s.step(), options.steps, note);
-    if (s.step() % 50 == 0) write_text(options.output + "/" + checkpoint, to_json(s).dump() + "\n");
+    if (s.step() % 50 == 0) save(s);
     return !interrupted;
   });
-  write_text(options.output + "/" + checkpoint, to_json(state).dump() + "\n");
+  save(out.state);
+  out.seconds = progress.seconds();
+  out.deviation = deviations<M>(out.state.best, [&](const M& m) { return render(g, seen, m); }, photo.image, overlap,
+                                [&](const std::string& parameter) { return !options.frozen(parameter); });
   char note[128];
-  std::snprintf(note, sizeof note, "%d pixels, %d steps, loss %.4f -> %.4f", n, state.step(), state.losses.front(), state.best_loss);
+  std::snprintf(note, sizeof note, "%d pixels, %d steps, loss %.4f -> %.4f", n, out.state.step(), out.state.losses.front(), out.state.best_loss);
   progress.finish(note);
-  return state;
+  return out;
+}
+
+/// A row a number: before, fitted, how sure, range, remarks.
+template <class M> void add_rows(std::vector<std::vector<std::string>>& rows, const std::string& of, const M& before, const Fitted<M>& fitted, const Options& o) {
+  const auto text = [](const char* format, double a, double b = 0) {
+    char t[48];
+    std::snprintf(t, sizeof t, format, a, b);
+    return std::string(t);
+  };
+  std::vector<float> old;
+  each([&](const float& x) { old.push_back(x); }, before);
+  std::size_t i = 0;
+  for_each_parameter(fitted.state.best, [&](const std::string& name, const float& x, Range r) {
+    const double sure = fitted.deviation.empty() ? 0 : fitted.deviation[i];
+    const bool open = sure > 0.2 * double(r.high - r.low);
+    rows.push_back({of + " " + name, text("%.3g", old[i++]), text("%.3g", x), sure > 0 ? "+- " + text("%.2g", sure) : "",
+                    text("%g to %g", r.low, r.high),
+                    o.frozen(name) ? "held" : x <= r.low || x >= r.high ? "at its bound" : open ? "the photo does not tell" : ""});
+  });
 }
 
 // ---- pictures --------------------------------------------------------------------------------------------------------
 
-/// Linear pictures from display values, and the other way round.
-Image map(const Image& image, float (*f)(float)) {
-  Image out = image;
-  for (float& x : out.values) x = f(x);
+Image linear(const Image& shown) {
+  Image out = shown;
+  for (float& x : out.values) x = detail::from_srgb(x);
   return out;
 }
-struct Vehicle {
-  CarPaint<float> paint;
-  Window<float> window;
-  Rubber<float> rubber;
-};
 
-/// The vehicle over the photo, `fine` x `fine` samples a pixel; linear light, as the page's pictures are.
+/// The vehicle over the photo, as linear light. Pixels where everything is alike are drawn once, others 2 x 2 times.
 class Compositor {
 public:
-  static constexpr int fine = 3;
-  Compositor(const Photo& photo, const Camera& camera, const Raycaster& scene, const World& w, const std::vector<Role>& roles)
-      : world(w), background(map(photo.image, detail::from_srgb)), full(scene.trace(camera.scaled(fine), 1)) {
-    for (int r = 0; r < 4; ++r)
-      parts[std::size_t(r)] = gather(world, scene, full.only([&](int part) { return roles[std::size_t(part)] == Role(r); }));
+  static constexpr int fine = 2;
+  Compositor(const Photo& photo, const Camera& camera, const Raycaster& scene, const World& w, const std::vector<parts::GivenRole>& given)
+      : world(w), background(linear(photo.image)), width(camera.width * fine) {
+    const GBuffer full = scene.trace(camera.scaled(fine), 1);
+    const std::vector<Role> roles = parts::roles_of(full, scene.mesh(), given);
+    hits.resize(std::size_t(camera.width) * std::size_t(camera.height));
+    std::vector<std::array<int, fine * fine>> samples(hits.size());
+    for (int i = 0; i < full.size(); ++i) {
+      const std::size_t p = pixel(full.pixel[std::size_t(i)]);
+      samples[p][std::size_t(hits[p]++)] = i;
+    }
+    std::vector<int> chosen;
+    std::vector<Role> role;
+    for (std::size_t p = 0; p < hits.size(); ++p) {
+      const auto& s = samples[p];
+      bool alike = hits[p] == fine * fine && full.parts[std::size_t(full.part[std::size_t(s[0])])].texture < 0;
+      for (int k = 1; k < hits[p] && alike; ++k)
+        alike = full.part[std::size_t(s[std::size_t(k)])] == full.part[std::size_t(s[0])] &&
+                dot(full.at(s[std::size_t(k)]).normal, full.at(s[0]).normal) > 0.995f;
+      for (int k = 0; k < (alike ? 1 : hits[p]); ++k) chosen.push_back(s[std::size_t(k)]), role.push_back(roles[std::size_t(s[std::size_t(k)])]);
+    }
+    shot = gather(world, scene, full.picked(chosen), role, Rings::Size::small);
+    const GBuffer& other = shot[Role::other];
+    looks = Planes<parts::FileLook>(other.size());
+    for (int i = 0; i < other.size(); ++i)
+      looks.set(i, parts::file_look(scene.mesh(), other.parts[std::size_t(other.part[std::size_t(i)])], other.at(i).uv));
   }
   Image operator()(const Vehicle& v) const {
-    Image image(full.width, full.height);
+    Image image(width, background.height * fine), out = background;
     const auto draw = [&](Role r, const auto& look, const auto& model) {
-      const Lit& lit = parts[std::size_t(r)];
-      if (lit.pixels.size()) render(lit.pixels, lit_look(look, lit, world), model, image);
+      if (shot[r].size()) render(shot[r], lit(look, shot, world), model, image);
     };
-    draw(Role::paint, painted, v.paint);
-    draw(Role::glass, glazed, v.window);
-    draw(Role::rubber, painted, v.rubber);
-    const Lit& other = parts[std::size_t(Role::other)];
-    if (other.pixels.size()) {
-      Planes<FileColor> colors(other.pixels.size());
-      for (int i = 0; i < other.pixels.size(); ++i)
-        colors.set(i, {full.parts[std::size_t(other.pixels.part[std::size_t(i)])].base_color});
-      render(other.pixels, lit_look(plain, other, world), colors, image);
-    }
-    Image out = background;
-    std::vector<int> hits(std::size_t(out.width) * std::size_t(out.height));
+    draw(Role::paint, painted, v.paint), draw(Role::glass, glazed, v.window), draw(Role::rubber, painted, v.rubber);
+    draw(Role::other, painted, looks);
     std::vector<vec3<float>> sum(hits.size());
-    for (const int p : full.pixel) {
-      const int x = p % full.width, y = p / full.width;
-      const std::size_t to = std::size_t(std::min(y / fine, out.height - 1)) * std::size_t(out.width) + std::size_t(std::min(x / fine, out.width - 1));
-      const vec3<float> c = image.at(x, y);
-      sum[to] += vec3<float>(detail::from_srgb(c.x), detail::from_srgb(c.y), detail::from_srgb(c.z));
-      ++hits[to];
-    }
-    for (std::size_t i = 0; i < hits.size(); ++i) {
-      if (!hits[i]) continue;
-      const int x = int(i) % out.width, y = int(i) / out.width;
-      const float a = std::min(1.0f, float(hits[i]) / (fine * fine));
-      out.set(x, y, out.at(x, y) * (1 - a) + sum[i] * (a / float(hits[i])));
+    std::vector<int> count(hits.size());
+    for (const GBuffer& g : shot.parts)
+      for (const int p : g.pixel) {
+        const vec3<float> c = image.at(p % width, p / width);
+        sum[pixel(p)] += vec3<float>(detail::from_srgb(c.x), detail::from_srgb(c.y), detail::from_srgb(c.z));
+        ++count[pixel(p)];
+      }
+    for (int i = 0; i < int(hits.size()); ++i) {
+      if (hits[std::size_t(i)] == 0) continue;
+      const int x = i % out.width, y = i / out.width;
+      const float a = float(hits[std::size_t(i)]) / (fine * fine);
+      out.set(x, y, out.at(x, y) * (1 - a) + sum[std::size_t(i)] * (a / float(count[std::size_t(i)])));
     }
     return out;
   }
@@ -293,153 +409,160 @@ public:
 private:
   const World& world;
   Image background;
-  GBuffer full;
-  std::array<Lit, 4> parts;
+  int width;
+  std::vector<int> hits;  // of each pixel's fine ones, how many the vehicle covers
+  Shot shot;
+  Planes<parts::FileLook> looks;
+
+  std::size_t pixel(int p) const { return std::size_t(p / width / fine) * std::size_t(background.width) + std::size_t(p % width / fine); }
 };
 
-std::vector<std::vector<std::string>> parameter_rows(const CarPaint<float>& before, const CarPaint<float>& after, const std::vector<std::string>& frozen) {
-  std::vector<std::vector<std::string>> rows{{"parameter", "before", "fitted", "range", ""}};
-  const nlohmann::ordered_json b = to_json(before);
-  for_each_parameter(after, [&]<class X>(const std::string& name, const X& x, Range r) {
-    char value[32], old[32], range[48];
-    std::snprintf(value, sizeof value, "%.4g", double(x));
-    std::snprintf(old, sizeof old, "%.4g", b[name].get<double>());
-    std::snprintf(range, sizeof range, "%g to %g", double(r.low), double(r.high));
-    rows.push_back({name, old, value, range, named(name, frozen) ? "held" : x <= r.low || x >= r.high ? "at its bound" : ""});
-  });
-  return rows;
+/// How far apart the pictures are, where photo and model overlap.
+Image difference(const Image& shown, const Photo& photo, const Mask& coverage) {
+  Image out(shown.width, shown.height);
+  for (int y = 0; y < shown.height; ++y)
+    for (int x = 0; x < shown.width; ++x) {
+      const vec3<float> d = shown.at(x, y) - photo.image.at(x, y);
+      const float inside = std::min(coverage.at(x, y), photo.vehicle.at(x, y));
+      out.set(x, y, vec3<float>(std::abs(d.x), std::abs(d.y), std::abs(d.z)) * inside);
+    }
+  return linear(out);
 }
+/// Normals as colours, and the roles.
+std::pair<Image, Image> shown_gbuffer(const GBuffer& g, const std::vector<Role>& roles) {
+  constexpr std::array<vec3<float>, 4> colors{{{0.75f, 0.2f, 0.15f}, {0.2f, 0.5f, 0.8f}, {0.25f, 0.25f, 0.25f}, {0.8f, 0.7f, 0.3f}}};
+  Image normals(g.width, g.height), kinds(g.width, g.height);
+  for (int i = 0; i < g.size(); ++i) {
+    const int p = g.pixel[std::size_t(i)];
+    const Surfel<float> s = g.at(i);
+    normals.set(p % g.width, p / g.width, s.normal * 0.5f + vec3<float>(0.5f));
+    kinds.set(p % g.width, p / g.width, colors[std::size_t(roles[std::size_t(i)])] * (0.4f + 0.6f * dot(s.normal, s.view)));
+  }
+  return {linear(normals), linear(kinds)};
+}
+
+// ---- all of it -------------------------------------------------------------------------------------------------------
 
 int run(const Options& o) {
   if (o.threads > 0) set_threads(o.threads);
-  check_writable(o.output);
   Progress whole("");
-
-  // Everything is read and checked before any work.
-  Photo photo{map(read_photo(o.photo), detail::to_srgb), {}, {}};
-  photo.vehicle = read_mask(o.mask, photo.image.width, photo.image.height);
-  if (!o.parts.empty()) photo.label = read_labels(o.parts, photo.image.width, photo.image.height);
-  Camera camera = read_camera(o.camera);
-  if (camera.width != photo.image.width || camera.height != photo.image.height)
-    throw Error(o.camera + ": camera " + std::to_string(camera.width) + " x " + std::to_string(camera.height) + ", photo " +
-                std::to_string(photo.image.width) + " x " + std::to_string(photo.image.height) + ": they must agree");
-  const Image panorama = read_photo(o.environment);
-  MeshReport report;
-  const Raycaster scene(read_vehicle(o.vehicle, &report));
+  Inputs in = read(o);
   std::printf("%s\n", o.vehicle.c_str());
-  for (const std::string& line : report.lines) std::printf("  %s\n", line.c_str());
+  for (const std::string& line : in.report.lines) std::printf("  %s\n", line.c_str());
+  std::printf("read           %s (%.2f s)\n", o.photo.c_str(), whole.seconds());
 
+  // The vehicle in the whole photo; then only the window that it is in, made smaller if it has too many pixels.
   Progress seeing("see");
-  const GBuffer frame = scene.trace(camera);
+  const Raycaster scene(std::move(in.mesh));
+  const GBuffer frame = scene.trace(in.camera);
   if (frame.size() == 0) throw Error(o.camera + ": the vehicle is not in the picture; it stands at the origin, x ahead, y up, metres");
-  const std::vector<Role> roles = roles_of(frame, o.roles);
-  write_exr(o.output + "/gbuffer.exr", frame);
   const Mask seen_part = frame.frame("coverage");
-  double both = 0, either = 0;
+  double shared = 0, either = 0;
   int x0 = frame.width, x1 = 0, y0 = frame.height, y1 = 0;
   for (int i = 0; i < frame.width * frame.height; ++i) {
-    const float a = seen_part.values[std::size_t(i)], b = photo.vehicle.values[std::size_t(i)];
-    both += double(std::min(a, b)), either += double(std::max(a, b));
+    const float a = seen_part.values[std::size_t(i)], b = in.photo.vehicle.values[std::size_t(i)];
+    shared += double(std::min(a, b)), either += double(std::max(a, b));
     if (a > 0 || b > 0.5f) x0 = std::min(x0, i % frame.width), x1 = std::max(x1, i % frame.width), y0 = std::min(y0, i / frame.width), y1 = std::max(y1, i / frame.width);
   }
-  double brightness = 0;  // mean linear value of the whole photo
-  for (int c = 0; c < 3; ++c)
-    for (int i = 0; i < frame.width * frame.height; ++i) brightness += double(detail::from_srgb(photo.image.plane(c)[i])) / (3.0 * frame.width * frame.height);
-  // From here on only the window that the vehicle is in.
+  if (shared == 0) throw Error(o.camera + ": the vehicle lies nowhere on the mask, expected it to be seen where the photo's is");
   const int margin = (x1 - x0) / 12 + 4, w = x1 - x0 + 1 + 2 * margin, h = y1 - y0 + 1 + 2 * margin;
-  photo = photo.cropped(x0 - margin, y0 - margin, w, h);
-  camera = camera.cropped(x0 - margin, y0 - margin, w, h);
+  const Camera camera = in.camera.cropped(x0 - margin, y0 - margin, w, h)
+                            .scaled(std::min(1.0f, std::sqrt(float(o.pixels) / float(frame.size()))));
+  const World dim = world_of(o, in);
+  const Photo photo = in.photo.window(x0 - margin, y0 - margin, w, h, camera);
   const GBuffer g = scene.trace(camera);
-  const Mask coverage = g.frame("coverage");
-  char note[160];
-  std::snprintf(note, sizeof note, "%d pixels of the vehicle; it covers the mask with IoU %.3f", g.size(), both / std::max(1.0, either));
+  const std::vector<Role> roles = parts::roles_of(g, scene.mesh(), in.roles);
+  std::map<std::string, std::array<int, 4>> found;  // how many pixels of a material have which role
+  for (int i = 0; i < g.size(); ++i) ++found[g.parts[std::size_t(g.part[std::size_t(i)])].material][std::size_t(roles[std::size_t(i)])];
+  char note[256];
+  std::snprintf(note, sizeof note, "%d pixels of the vehicle; it covers the mask with IoU %.3f", g.size(), shared / either);
   seeing.finish(note);
-  for (std::size_t p = 0; p < g.parts.size(); ++p)
-    if (const auto n = std::count(g.part.begin(), g.part.end(), int(p)))
-      std::printf("  %-28s %-6s %6d pixels\n", g.parts[p].material.c_str(), role_names[std::size_t(roles[p])], int(n));
+  std::vector<std::vector<std::string>> materials{{"material", "taken as", "pixels"}};
+  for (const auto& [material, counts] : found)
+    for (std::size_t r = 0; r < 4; ++r)
+      if (counts[r] > 0) {
+        materials.push_back({material, parts::role_names[r], std::to_string(counts[r])});
+        std::printf("  %-28s %-6s %6d pixels\n", material.c_str(), parts::role_names[r], counts[r]);
+      }
 
-  // The light: neutral on average, and as strong as a street of middling grey (albedo 0.2) must have been lit to give the
-  // photo's mean brightness; raised where the paint would have to be whiter than 0.8.
   Progress lighting("light");
-  World world{EnvironmentLight(panorama, o.yaw * pi / 180), {}, {}};
-  const IrradianceMap irradiance(world.sky);
-  vec3<float> mean_irradiance;
-  for (const vec3<float>& n : {vec3<float>{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0, 0, -1}}) {
-    const auto e = irradiance(n);
-    mean_irradiance += vec3<float>(e[0], e[1], e[2]) * 0.2f;
-    for (const Sun<float>& s : world.sky.suns) mean_irradiance += s.power * (0.2f * std::max(0.0f, dot(n, s.direction)));
-  }
-  world.occluded = mean_irradiance * (0.2f * inverse_pi);
-  const vec3<float> grey = vec3<float>(float(brightness) / (0.2f * inverse_pi)) / mean_irradiance;
-  world.strength.sky = world.strength.sun = o.exposure > 0 ? vec3<float>(o.exposure) : grey;
-  const auto select_role = [&](Role r) { return g.only([&](int part) { return roles[std::size_t(part)] == r; }); };
-  const Lit body = gather(world, scene, select_role(Role::paint)), glass = gather(world, scene, select_role(Role::glass)),
-            tyres = gather(world, scene, select_role(Role::rubber));
+  std::vector<int> fitted;  // what is not fitted needs no light yet
+  std::vector<Role> fitted_roles;
+  for (int i = 0; i < g.size(); ++i)
+    if (roles[std::size_t(i)] != Role::other) fitted.push_back(i), fitted_roles.push_back(roles[std::size_t(i)]);
+  World world = dim;
+  const Shot shot = gather(world, scene, g.picked(fitted), fitted_roles, Rings::Size::medium);
+  const Mask coverage = g.frame("coverage");
   if (o.exposure <= 0) {
-    CarPaint<float> white;
-    white.base_color = {0.8f, 0.8f, 0.8f}, white.base_metalness = 0;
-    const Image image = render(body.pixels, lit_look(painted, body, world), white);
-    const Statistics ours(image, body.pixels.frame("coverage")), theirs(photo.image, photo.of(Role::paint));
-    const double linear_ours = double(detail::from_srgb(float(ours.mean[1]))), linear_theirs = double(detail::from_srgb(float(theirs.mean[1])));
-    if (theirs.area > 0 && linear_ours > 0 && linear_theirs > linear_ours) {
-      const float up = float(std::min(8.0, linear_theirs / linear_ours));
-      world.strength.sky *= up, world.strength.sun *= up;
-    }
+    const float up = white_point(shot, world, photo, both(photo.of(Role::paint), shot[Role::paint].frame("coverage")));
+    world.strength.sky *= up, world.strength.sun *= up;
   }
-  std::snprintf(note, sizeof note, "%zu suns, strength %.2f %.2f %.2f, %.0f MB of tables", world.sky.suns.size(),
-                double(world.strength.sky.x), double(world.strength.sky.y), double(world.strength.sky.z),
-                double(body.light.bytes() + glass.light.bytes() + tyres.light.bytes()) / 1e6);
+  std::snprintf(note, sizeof note, "%zu suns, strength %.2f %.2f %.2f, %.0f MB of tables", world.sky.suns.size(), double(world.strength.sky.x),
+                double(world.strength.sky.y), double(world.strength.sky.z), double(shot.light.bytes()) / 1e6);
   lighting.finish(note);
 
-  // The fits.
+  // The fits. From here on something is written.
+  check_writable(o.output);
   Vehicle before, after;
   before.paint.base_metalness = 0.1f;
-  const double fit_start = whole.seconds();
-  const auto paint = fit_part("paint", before.paint, painted, body, world, photo, Role::paint, o, "paint.state.json");
-  const double paint_seconds = whole.seconds() - fit_start;
-  after.paint = paint.best;
-  if (!interrupted) after.window = fit_part("glass", before.window, glazed, glass, world, photo, Role::glass, o, "glass.state.json").best;
-  if (!interrupted) after.rubber = fit_part("rubber", before.rubber, painted, tyres, world, photo, Role::rubber, o, "rubber.state.json").best;
-
-  // The pictures.
-  Progress drawing("draw");
+  const auto paint = fit_part(Role::paint, before.paint, std::move(in.paint), painted, shot, world, photo, o);
+  const auto window = fit_part(Role::glass, before.window, std::move(in.window), AtRunTime<decltype(glazed)>{&glazed}, shot, world, photo, o);
+  const auto rubber = fit_part(Role::rubber, before.rubber, std::move(in.rubber), AtRunTime<decltype(painted)>{&painted}, shot, world, photo, o);
+  after = {paint.state.best, window.state.best, rubber.state.best};
   write_model(o.output + "/paint.json", after.paint);
   write_model(o.output + "/glass.json", after.window);
   write_model(o.output + "/rubber.json", after.rubber);
-  const Compositor compose(photo, camera, scene, world, roles);
-  const Image old = compose(before), now = compose(after);
-  const Image linear = map(photo.image, detail::from_srgb), shown = map(now, detail::to_srgb);
-  const int wide = 640, high = std::max(1, wide * h / w);
-  const auto panel = [&](const Image& image) { return resized(image, wide, high); };
-  Image difference(linear.width, linear.height);
-  for (int y = 0; y < linear.height; ++y)
-    for (int x = 0; x < linear.width; ++x) {
-      const vec3<float> d = shown.at(x, y) - photo.image.at(x, y);
-      const float inside = std::min(coverage.at(x, y), photo.vehicle.at(x, y));
-      difference.set(x, y, vec3<float>(detail::from_srgb(std::abs(d.x)), detail::from_srgb(std::abs(d.y)), detail::from_srgb(std::abs(d.z))) * inside);
-    }
-  write_png(o.output + "/fit.png", sheet({{"photo", panel(linear)}, {"before", panel(old)}, {"after", panel(now)},
-                                          {"difference, where photo and model overlap", panel(difference)}}, 2));
-  write_png(o.output + "/after.png", now);
-  if (!paint.losses.empty()) write_png(o.output + "/loss.png", curve(paint.losses, "loss of the paint, by step"));
+  write_exr(o.output + "/gbuffer.exr", g);
 
+  // The pictures.
+  Progress drawing("draw");
+  const Compositor compose(photo, camera, scene, world, in.roles);
+  const Image old = compose(before), now = compose(after);
+  const int wide = 640, high = std::max(1, wide * camera.height / camera.width);
+  const auto panel = [&](const Image& image) { return resized(image, wide, high); };
+  Image shown = now;
+  for (float& x : shown.values) x = detail::to_srgb(x);
+  write_png(o.output + "/fit.png", sheet({{"photo", panel(linear(photo.image))}, {"before", panel(old)}, {"after", panel(now)},
+                                          {"difference, where photo and model overlap", panel(difference(shown, photo, coverage))}}, 2));
+  write_png(o.output + "/after.png", now);
+  const auto [normals, kinds] = shown_gbuffer(g, roles);
+  write_png(o.output + "/gbuffer.png", sheet({{"normals", panel(normals)}, {"paint red, glass blue, rubber grey, the rest yellow", panel(kinds)}}, 2));
+  std::vector<double> losses = paint.state.losses;
+  if (!losses.empty()) write_png(o.output + "/loss.png", curve(losses, "loss of the paint, by step"));
+
+  std::vector<std::vector<std::string>> rows{{"parameter", "before", "fitted", "", "range", ""}};
+  if (paint.pixels > 0) add_rows(rows, "paint", before.paint, paint, o);
+  if (window.pixels > 0) add_rows(rows, "glass", before.window, window, o);
+  if (rubber.pixels > 0) add_rows(rows, "rubber", before.rubber, rubber, o);
   Page page("The paint of a vehicle, fitted to a photo");
   page.text(o.photo + "   |   " + o.vehicle + "   |   " + o.environment);
   page.picture(o.output + "/fit.png", "Photo; the model with its first paint; the model with the fitted materials; what is left, where photo and model overlap.");
-  std::snprintf(note, sizeof note, "%d steps on %d pixels in %.2f s on %d threads; the loss went from %.4f to %.4f.", paint.step(), body.pixels.size(),
-                paint_seconds, threads(), paint.losses.empty() ? 0 : paint.losses.front(), paint.best_loss);
+  std::snprintf(note, sizeof note, "The paint took %d steps on %d pixels: %.2f s on %d threads. Its loss went from %.4f to %.4f.%s", paint.state.step(), paint.pixels,
+                paint.seconds, threads(), losses.empty() ? 0 : losses.front(), losses.empty() ? 0 : paint.state.best_loss, interrupted ? " It was interrupted." : "");
   page.text(note);
-  if (!paint.losses.empty()) page.picture(o.output + "/loss.png", "Masked L1 on the overlap + 0.1 x difference of the parts' means and variances, in display values.");
-  page.heading("The fitted paint");
-  page.table(parameter_rows(before.paint, after.paint, o.freeze));
-  page.text("One photo does not tell how strong the light was: brightness of light and paint can be exchanged. Here the light is neutral and as "
-            "strong as a street of middling grey needs to give the photo's mean brightness, or as a paint of albedo 0.8 needs to be as bright as this one.");
+  if (!losses.empty())
+    page.picture(o.output + "/loss.png", "By step: mean difference of the pixels where paint lies on paint, plus 0.1 times that of the parts' means "
+                 "and variances, in display values. Glass and rubber: 0.1 times the first, plus the second without the extremes, as "
+                 "wheels and panes of another model do not lie on the photo's.");
+  page.heading("The fitted numbers");
+  page.table(rows);
+  page.text("Linear colours; lengths in metres. +- is a standard deviation: how much a number could change and the picture still "
+            "fit as well, given the light. How strong the light was one photo does not tell: brightness of light and paint can be "
+            "exchanged. Here the light is neutral and as strong as a street of middling grey needs to give the photo's mean "
+            "brightness, or as a paint of albedo 0.8 needs to be as bright as this one.");
+  page.heading("What the camera sees");
+  page.picture(o.output + "/gbuffer.png", "Normals, and what each surface was taken as. gbuffer.exr holds all of it.");
+  page.table(materials);
   page.heading("What was done to the vehicle's file");
-  for (const std::string& line : report.lines) page.text(line);
+  for (const std::string& line : in.report.lines) page.text(line);
+  std::snprintf(note, sizeof note, "%.1f s from start to end.", whole.seconds());
+  page.text(note);
   page.write(o.output + "/report.html");
   drawing.finish("pictures");
-  std::printf("\nThe paint was fitted in %.2f s. %s/fit.png shows it, %s/report.html tells all; %s/paint.json can be read back.\n", paint_seconds,
-              o.output.c_str(), o.output.c_str(), o.output.c_str());
+  for (const auto& row : rows)
+    if (!row[3].empty()) std::printf("  %-28s %8s %-10s %s\n", row[0].c_str(), row[2].c_str(), row[3].c_str(), row[5].c_str());
+  std::printf("\n%s after %.1f s. %s/fit.png shows it, %s/report.html tells all; %s/paint.json can be read back.\n", interrupted ? "Interrupted" : "Done",
+              whole.seconds(), o.output.c_str(), o.output.c_str(), o.output.c_str());
   return interrupted ? 130 : 0;
 }
 
@@ -451,7 +574,9 @@ int main(int argc, char** argv) {
                "Without arguments: the white pickup of darknet's dog.jpg, a vehicle of sweethome3d-furniture and a panorama of\n"
                "blender-data. For your own:\n\n"
                "  04_fit_material --photo street.jpg --mask car.png --camera street.camera.json \\\n"
-               "                  --vehicle car.glb --environment sky.exr --yaw 40 --output fit"};
+               "                  --vehicle car.glb --environment sky.exr --yaw 40 --output fit\n\n"
+               "The loss of the paint: the mean difference of the pixels where paint lies on paint, plus 0.1 times that of the\n"
+               "parts' means and variances. Glass and rubber: 0.1 times the first plus the second, without the photo's extremes."};
   app.add_option("--photo", o.photo, "the photo: any format OpenImageIO reads");
   app.add_option("--mask", o.mask, "the vehicle in the photo: white, same size");
   app.add_option("--parts", o.parts, "labels, same size: 1 paint, 2 glass, 3 rubber, 4 other, 0 not the vehicle");
@@ -461,6 +586,7 @@ int main(int argc, char** argv) {
   app.add_option("--environment", o.environment, "lat-long panorama, EXR or HDR");
   app.add_option("--yaw", o.yaw, "degrees the panorama is turned about +y")->capture_default_str();
   app.add_option("--exposure", o.exposure, "strength of the light; 0: found from the photo's brightness")->capture_default_str();
+  app.add_option("--pixels", o.pixels, "of the vehicle, at most: a larger photo is made smaller")->check(CLI::Range(100, 100000000))->capture_default_str();
   app.add_option("--steps", o.steps, "at most")->check(CLI::Range(1, 100000))->capture_default_str();
   app.add_option("--rate", o.rate, "of Adam, in parts of every parameter's range")->check(CLI::Range(1e-6f, 1.0f))->capture_default_str();
   app.add_option("--prior", o.prior, "how strongly what the photo does not tell is held where it began")->check(CLI::Range(0.0f, 10.0f))->capture_default_str();
@@ -470,23 +596,21 @@ int main(int argc, char** argv) {
   app.add_option("-o,--output", o.output, "folder for pictures and files")->capture_default_str();
   try {
     app.parse(argc, argv);
-  } catch (const CLI::ParseError& e) {
-    const int code = app.exit(e);
-    return code == 0 ? 0 : 2;
-  }
-  // The masks and the camera of the default photo lie beside this program's source.
-  const std::string data = BURNISH_EXAMPLES_DATA;
-  if (o.photo == Options{}.photo) {
-    if (o.mask.empty()) o.mask = data + "/dog_pickup.mask.png", o.parts = o.parts.empty() ? data + "/dog_pickup.parts.png" : o.parts;
-    if (o.camera.empty()) o.camera = data + "/dog_pickup.camera.json";
-  }
-  catch_interrupt();
-  try {
+    // The masks and the camera of the default photo lie beside this program's source.
+    const std::string data = BURNISH_EXAMPLES_DATA;
+    if (o.photo == Options{}.photo) {
+      if (o.mask.empty()) o.mask = data + "/dog_pickup.mask.png", o.parts = o.parts.empty() ? data + "/dog_pickup.parts.png" : o.parts;
+      if (o.camera.empty()) o.camera = data + "/dog_pickup.camera.json";
+    }
     if (o.mask.empty()) throw Error("--mask is missing: which pixels of " + o.photo + " are the vehicle?");
     if (o.camera.empty()) throw Error("--camera is missing: how was " + o.photo + " taken?");
+    catch_interrupt();
     return run(o);
+  } catch (const CLI::ParseError& e) {
+    if (e.get_exit_code() == 0) return app.exit(e);
+    std::fprintf(stderr, "04_fit_material: %s\n", e.what());
   } catch (const std::exception& e) {
     std::fprintf(stderr, "04_fit_material: %s\n", e.what());
-    return 2;
   }
+  return 2;
 }

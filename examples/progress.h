@@ -7,10 +7,13 @@
 #include <cstdio>
 #include <string>
 
-/// Set by Ctrl-C; work that sees it stops and keeps what it has.
+/// Set by Ctrl-C; work that sees it stops and keeps what it has. A second Ctrl-C ends the program at once.
 inline volatile std::sig_atomic_t interrupted = 0;
 inline void catch_interrupt() {
-  std::signal(SIGINT, [](int) { interrupted = 1; });
+  std::signal(SIGINT, [](int) {
+    interrupted = 1;
+    std::signal(SIGINT, SIG_DFL);
+  });
 }
 
 /// One line that is drawn over itself on a terminal; in a log, only its last state.

@@ -14,7 +14,7 @@
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
 #include <minizip/unzip.h>
-#include <burnish/io/file.h>
+#include <burnish/io/texture.h>
 #include <burnish/scene/vehicle.h>
 
 namespace burnish {
@@ -72,7 +72,7 @@ private:
   }
 };
 
-inline Part part_of(const aiScene& scene, const aiMesh& mesh, const aiNode& node) {
+inline Part part_of(const aiScene& scene, const aiMesh& mesh, const aiNode& node, Textures& textures) {
   Part p;
   const aiMaterial& material = *scene.mMaterials[mesh.mMaterialIndex];
   p.material_index = int(mesh.mMaterialIndex);
@@ -87,11 +87,14 @@ inline Part part_of(const aiScene& scene, const aiMesh& mesh, const aiNode& node
   float opacity = 1;
   material.Get(AI_MATKEY_OPACITY, opacity);
   p.opacity = std::clamp(std::min(opacity, color.a), 0.0f, 1.0f);
+  if (mesh.HasTextureCoords(0)) p.texture = textures.of(material);
+  // Some exporters write black beside a texture, meaning nothing by it.
+  if (p.texture >= 0 && p.base_color.x + p.base_color.y + p.base_color.z == 0) p.base_color = {1, 1, 1};
   return p;
 }
 
 /// Adds a node's meshes and its children's, in the space of the file's root.
-inline void flatten(const aiScene& scene, const aiNode& node, const aiMatrix4x4& above, Mesh& out) {
+inline void flatten(const aiScene& scene, const aiNode& node, const aiMatrix4x4& above, Textures& textures, Mesh& out) {
   const aiMatrix4x4 place = above * node.mTransformation;
   aiMatrix3x3 turn(place);
   const bool mirrored = turn.Determinant() < 0;
@@ -113,16 +116,17 @@ inline void flatten(const aiScene& scene, const aiNode& node, const aiMatrix4x4&
       out.triangles.push_back(mirrored ? std::array{a, c, b} : std::array{a, b, c});
       out.part.push_back(part);
     }
-    out.parts.push_back(part_of(scene, mesh, node));
+    out.parts.push_back(part_of(scene, mesh, node, textures));
   }
-  for (unsigned i = 0; i < node.mNumChildren; ++i) flatten(scene, *node.mChildren[i], place, out);
+  for (unsigned i = 0; i < node.mNumChildren; ++i) flatten(scene, *node.mChildren[i], place, textures, out);
 }
 }  // namespace detail
 
 /// A mesh as the file has it: nodes flattened with their transforms, a part for every mesh of every node, polygons made
-/// triangles. "archive.zip:inner/car.obj" reads from inside a zip archive of any file name ending. Error when there is
-/// no such file, Assimp cannot read it, or it holds no triangle.
-inline Mesh read_mesh(const std::string& path) {
+/// triangles, colour textures in Mesh::images (at most 512 texels a side). "archive.zip:inner/car.obj" reads from inside a
+/// zip archive of any file name ending. Error when there is no such file, Assimp cannot read it, or it holds no triangle;
+/// report (may be null) gets a line for every texture that cannot be read.
+inline Mesh read_mesh(const std::string& path, MeshReport* report = nullptr) {
   namespace fs = std::filesystem;
   std::string archive, inner = path;
   if (!fs::exists(path)) {
@@ -148,7 +152,8 @@ inline Mesh read_mesh(const std::string& path) {
     throw Error(path + ": not a mesh that can be read: " + why);
   }
   Mesh mesh;
-  detail::flatten(*scene, *scene->mRootNode, aiMatrix4x4(), mesh);
+  detail::Textures textures(*scene, *importer.GetIOHandler(), inner, mesh.images, report);
+  detail::flatten(*scene, *scene->mRootNode, aiMatrix4x4(), textures, mesh);
   if (mesh.triangles.empty()) throw Error(path + ": no triangles, expected a mesh");
   return mesh;
 }
@@ -156,8 +161,10 @@ inline Mesh read_mesh(const std::string& path) {
 /// A vehicle, read, cleaned and put into the normalised frame of scene/vehicle.h; report (may be null) gets a line for
 /// every defect that was mended. Error also when nothing is left.
 inline Mesh read_vehicle(const std::string& path, MeshReport* report = nullptr, const VehicleOptions& options = {}) {
-  Mesh mesh = read_mesh(path);
-  MeshReport found = clean_vehicle(mesh, options);
+  MeshReport found;
+  Mesh mesh = read_mesh(path, &found);
+  const MeshReport mended = clean_vehicle(mesh, options);
+  found.lines.insert(found.lines.end(), mended.lines.begin(), mended.lines.end());
   if (mesh.triangles.empty()) throw Error(path + ": no triangle with an area, expected a mesh");
   if (report) *report = std::move(found);
   return mesh;

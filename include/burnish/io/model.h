@@ -76,6 +76,11 @@ template <class M> void from_json(const nlohmann::ordered_json& j, FitState<M>& 
   } catch (const nlohmann::json::exception& e) {
     throw Error(file + ": not the state of a fit: " + e.what());
   }
+  std::size_t numbers = 0;
+  for_each_parameter(s.model, [&]<class X>(const std::string&, const X&, Range) { numbers += Plain<X>; });
+  const auto fits = [&](const std::vector<float>& moment) { return moment.size() == (s.step() > 0 ? numbers : 0); };
+  if (j.at("model").size() != numbers || j.at("best").size() != numbers || s.adam.steps != s.step() || !fits(s.adam.first) || !fits(s.adam.second))
+    throw Error(file + ": the state of another model's fit, or a part is missing");
 }
 
 }  // namespace burnish

@@ -309,7 +309,8 @@ inline void fill_normals(Mesh& m, MeshReport& report, float crease = 40) {
 
 /// Gives every corner a uv. Triangles of parts that have none, or whose uvs span no area, get a box projection in
 /// metres: on a face that looks mostly along an axis, u and v are the other two coordinates, v upwards on the sides.
-/// metric: do so for all parts, so that one unit of uv is one metre everywhere.
+/// A part that has a texture keeps its uvs in any case. metric: do so for all other parts, so that one unit of uv is one
+/// metre there.
 inline void fill_uvs(Mesh& m, MeshReport& report, bool metric = false) {
   using namespace detail;
   std::vector<vec2<float>> uv = corner_uvs(m);
@@ -321,7 +322,8 @@ inline void fill_uvs(Mesh& m, MeshReport& report, bool metric = false) {
   }
   long made = 0;
   for (std::size_t t = 0; t < m.triangles.size(); ++t) {
-    if (!metric && has(t) && area[m.part[t]] > 1e-8) continue;
+    const bool textured = m.parts[m.part[t]].texture >= 0;
+    if (has(t) && (textured || (!metric && area[m.part[t]] > 1e-8))) continue;
     const vec3<float> n = m.cross_of(int(t));
     const vec3<float> a(std::abs(n.x), std::abs(n.y), std::abs(n.z));
     for (int k = 0; k < 3; ++k) {

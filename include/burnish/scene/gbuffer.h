@@ -46,7 +46,7 @@ struct GBuffer {
   int width = 0, height = 0;
   Camera camera;
   std::vector<Part> parts;
-  std::vector<int> pixel;    // of each surfel: y * width + x, ascending
+  std::vector<int> pixel;    // of each surfel: y * width + x; ascending as traced
   std::vector<int> part;     // of each surfel: index into parts
   /// See names. depth: metres along the view axis. geometric_normal: unit, on the viewer's side. coverage: the part of
   /// the pixel's area that the mesh covers, 0 < coverage <= 1; where the pixel's centre misses, the surfel is the
@@ -76,8 +76,8 @@ struct GBuffer {
     for (Floats& p : plane) p.resize(padded(n, 256));
   }
   /// Numbers the surfels and fills the padding.
-  void close() {
-    for (int i = 0; i < size(); ++i) plane[14][i] = float(i);
+  void close(bool renumber = true) {
+    for (int i = 0; i < size() && renumber; ++i) plane[14][i] = float(i);
     if (size() == 0) return;
     for (Floats& p : plane) std::fill(p.begin() + size(), p.end(), p[size() - 1]);
   }
@@ -91,6 +91,10 @@ struct GBuffer {
       else yes = keep(at(i));
       if (yes) chosen.push_back(i);
     }
+    return picked(chosen);
+  }
+  /// These surfels in this order. renumber = false: their index stays what it is here, for tables made for this.
+  GBuffer picked(const std::vector<int>& chosen, bool renumber = true) const {
     GBuffer g;
     g.width = width, g.height = height, g.camera = camera, g.parts = parts;
     g.resize(int(chosen.size()));
@@ -99,7 +103,7 @@ struct GBuffer {
       g.part[i] = part[chosen[i]];
       for (int k = 0; k < planes; ++k) g.plane[k][i] = plane[k][chosen[i]];
     }
-    g.close();
+    g.close(renumber);
     return g;
   }
 

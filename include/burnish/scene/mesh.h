@@ -7,10 +7,12 @@
 #include <array>
 #include <bit>
 #include <cstdint>
+#include <cmath>
 #include <limits>
 #include <string>
 #include <vector>
 #include <burnish/math/vec.h>
+#include <burnish/scene/image.h>
 
 namespace burnish {
 
@@ -21,6 +23,7 @@ struct Part {
   int material_index = 0;                     // its place among the file's materials
   vec3<float> base_color{0.8f, 0.8f, 0.8f};   // a hint: what the file says, taken as linear RGB
   float opacity = 1;                          // a hint: 0 clear to 1
+  int texture = -1;                           // of Mesh::images: multiplies base_color; -1: none
 };
 
 struct Mesh {
@@ -30,6 +33,7 @@ struct Mesh {
   std::vector<std::array<int, 3>> triangles;     // vertex indices
   std::vector<int> part;                         // a triangle each: index into parts
   std::vector<Part> parts;
+  std::vector<Image> images;                     // textures, linear RGB, the first row at v = 1
 
   /// Appends a vertex, returns its index.
   int add(const vec3<float>& position, const vec3<float>& normal = {},
@@ -38,6 +42,19 @@ struct Mesh {
     normals.push_back(normal);
     uvs.push_back(uv);
     return int(positions.size()) - 1;
+  }
+  /// The file's colour of a part at a uv: its texture is bilinear and repeats.
+  vec3<float> color(const Part& p, const vec2<float>& uv) const {
+    if (p.texture < 0 || !(std::abs(uv.x) < 1e6f && std::abs(uv.y) < 1e6f)) return p.base_color;
+    const Image& image = images[p.texture];
+    const auto wrap = [](int i, int n) { return ((i % n) + n) % n; };
+    const float x = uv.x * float(image.width) - 0.5f, y = (1 - uv.y) * float(image.height) - 0.5f;
+    const float u = std::floor(x), v = std::floor(y);
+    const int x0 = wrap(int(u), image.width), y0 = wrap(int(v), image.height), x1 = wrap(x0 + 1, image.width),
+              y1 = wrap(y0 + 1, image.height);
+    const vec3<float> top = image.at(x0, y0) * (1 - (x - u)) + image.at(x1, y0) * (x - u);
+    const vec3<float> bottom = image.at(x0, y1) * (1 - (x - u)) + image.at(x1, y1) * (x - u);
+    return p.base_color * (top * (1 - (y - v)) + bottom * (y - v));
   }
   /// Twice the area times the geometric normal of triangle t, on the counter-clockwise side.
   vec3<float> cross_of(int t) const {

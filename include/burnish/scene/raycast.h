@@ -113,8 +113,8 @@ public:
     const std::vector<vec2<float>> places = spread(samples);
     const std::array<int, 4> frame = outline(camera);
     parallel_for(rows, [&](int row) {
-      for (int tile = 0; tile < tiles; ++tile) {
-        const int x0 = tile * 4, y0 = row * 4;
+      for (int column = 0; column < tiles; ++column) {
+        const int x0 = column * 4, y0 = row * 4;
         if (x0 + 3 < frame[0] || x0 > frame[2] || y0 + 3 < frame[1] || y0 > frame[3]) continue;
         trace_tile(camera, x0, y0, hits.data());
       }
