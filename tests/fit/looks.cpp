@@ -26,11 +26,9 @@ template <class T> struct Decal {
   Layer<T> layer;
   std::array<Layer<T>, 2> more = {{{0.3f, {0.9f, 1.1f}}, {0.2f, {0.4f, 2.1f}}}};
   ImageNode<T> print;
-  int rows = 3;
   static constexpr auto parameters() {
     return std::tuple{Param{"base", &Decal::base, unit}, Param{"rough", &Decal::rough, unit}, Param{"unread", &Decal::unread},
-                      Param{"layer", &Decal::layer},     Param{"more", &Decal::more},         Param{"print", &Decal::print},
-                      Fixed{&Decal::rows}};
+                      Param{"layer", &Decal::layer},     Param{"more", &Decal::more},         Param{"print", &Decal::print}};
   }
 };
 template <class T> struct Film {

@@ -47,8 +47,10 @@ template <template <class> class Item, class T> inline constexpr bool is_list<Li
 
 template <class Output, class F> constexpr void each_output(Output& y, F f) { each(f, y); }
 
-/// The recording of look(model, at, data...). M: the plain model of one pixel; Maps: it differs from pixel to pixel.
-template <class M, template <class> class At, bool Maps, class Look, class... Data> constexpr Recording record(const Look& look) {
+/// The recording of look(model, at, data...). M: the plain model of one pixel; Maps: it differs from pixel to pixel. What
+/// is Fixed in model and data is taken from `plain` and `given`; where they are null, it is as a new struct has it.
+template <class M, template <class> class At, bool Maps, class Look, class... Data>
+constexpr Recording record(const Look& look, const M* plain = nullptr, const std::tuple<const Data&...>* given = nullptr) {
   Recording r;
   const auto name = [&](Kind kind, int& count, bool active) {
     return [&r, &count, kind, active]<class X>(X& x) {
@@ -64,10 +66,15 @@ template <class M, template <class> class At, bool Maps, class Look, class... Da
     };
   };
   rebind_t<M, Recorded> model{};
+  if (plain) copy_fixed(model, *plain);
   each(name(Maps ? Kind::pixel : Kind::parameter, Maps ? r.pixels : r.parameters, true), model);
   At<Recorded> at{};
   each(name(Kind::pixel, r.pixels, false), at);
   std::tuple<rebind_t<Data, Recorded>...> data{};
+  if (given)
+    [&]<std::size_t... I>(std::index_sequence<I...>) {
+      (copy_fixed(std::get<I>(data), std::get<I>(*given)), ...);
+    }(std::index_sequence_for<Data...>{});
   std::apply([&](auto&... d) { (each(name(Kind::data, r.data, false), d), ...); }, data);
   auto y = std::apply([&](const auto&... d) { return look(std::as_const(model), std::as_const(at), d...); }, data);
   each([&](Recorded& x) { r.outputs.push_back(x.node(&r)); }, y);
@@ -116,26 +123,38 @@ template <class Tag, class T> T& kept_buffer() {
   return buffer;
 }
 
-/// What the players read, gathered once a call.
-template <class G, class M, class... Data> struct Inputs {
-  std::vector<float> parameters, data;
-  std::vector<std::vector<float>> list_values;
+/// What the players read, gathered once a call, and where their results are gathered; kept from call to call.
+struct Inputs {
+  std::vector<float> parameters, data, list_values;
   std::vector<FlatList> lists;
   std::vector<const float*> pixels;
+  std::vector<float*> d_pixels;
   std::vector<const void*> resources;
+  std::vector<float> part;                     // bands x parameters
+  std::vector<std::vector<Scatter>> scatters;  // bands x resources
 
-  Inputs(const G& g, const M& model, const std::tuple<const Data&...>& d) {
-    if constexpr (is_planes<M>)
+  template <class G, class M, class... Data> void gather(const G& g, const M& model, const std::tuple<const Data&...>& d, M& d_model) {
+    parameters.clear(), data.clear(), list_values.clear(), lists.clear(), pixels.clear(), d_pixels.clear(), resources.clear();
+    if constexpr (is_planes<M>) {
       for (const float* p : model.pointers()) pixels.push_back(p);
-    else each(into(parameters), model);
+      for (auto& p : d_model.plane) d_pixels.push_back(p.data());
+    } else each(into(parameters), model);
     for (const float* p : g.pointers()) pixels.push_back(p);
+    d_pixels.resize(pixels.size());
     std::apply([&](const auto&... x) { (add(x), ...); }, d);
-    for (std::size_t l = 0; l < lists.size(); ++l) lists[l].values = list_values[l].data();
+    const float* values = list_values.data();
+    for (FlatList& l : lists) l.values = values, values += l.fields * l.count;
+    part.assign(parameters.size() * bands, 0.0f);
+    scatters.resize(bands);
+    for (auto& band_scatters : scatters) {
+      band_scatters.resize(std::max(band_scatters.size(), resources.size()));
+      for (Scatter& s : band_scatters) s.entries.clear();
+    }
   }
-  Environment environment() const {
+  Environment environment(int band) {
     Environment e;
     e.parameters = parameters.data(), e.data = data.data(), e.pixels = pixels.data(), e.lists = lists.data();
-    e.resources = resources.data();
+    e.resources = resources.data(), e.d_pixels = d_pixels.data(), e.scatters = scatters[std::size_t(band)].data();
     return e;
   }
 
@@ -148,10 +167,10 @@ private:
   }
   template <class D> void add(const D& d) {
     if constexpr (requires { rebind_t<D, Recorded>{}.recording; d.begin(); }) {
-      auto& values = list_values.emplace_back();
-      for (const auto& item : d) each(into(values), item);
+      const std::size_t before = list_values.size();
+      for (const auto& item : d) each(into(list_values), item);
       const int n = int(d.size());
-      lists.push_back({nullptr, n ? int(values.size()) / n : 0, n});
+      lists.push_back({nullptr, n ? int(list_values.size() - before) / n : 0, n});
     } else each(into(data), d);
   }
 };
@@ -225,22 +244,14 @@ template <class M> void shape_like(M& d, const M& model) {
 /// adjoints are added in the order of the bands.
 template <class Run, class G, class M, class... Data, class Fill, class Done>
 void play(const Run& run, const G& g, const M& model, const std::tuple<const Data&...>& data, int outputs, bool image, Fill fill, Done done, M& d) {
-  const Inputs<G, M, Data...> in(g, model, data);
-  const int padded_size = int(padded(std::size_t(g.size()), tile)), n = int(in.parameters.size());
-  const std::size_t resources = in.resources.size();
+  Inputs& in = kept_buffer<Run, Inputs>();
   shape_like(d, model);
-  std::vector<float*> d_pixels;
-  if constexpr (is_planes<M>)
-    for (auto& p : d.plane) d_pixels.push_back(p.data());
-  d_pixels.resize(in.pixels.size());
-  std::vector<float> part(std::size_t(n) * bands);
-  std::vector<std::vector<Scatter>> scatters(bands, std::vector<Scatter>(resources));
+  in.gather(g, model, data, d);
+  const int padded_size = int(padded(std::size_t(g.size()), tile)), n = int(in.parameters.size());
   parallel_for(bands, [&](int b) {
     const auto [begin, end] = band(padded_size, b);
     if (begin == end) return;
-    Environment e = in.environment();
-    e.d_pixels = d_pixels.data();
-    e.scatters = scatters[std::size_t(b)].data();
+    Environment e = in.environment(b);
     auto& buffer = kept_buffer<Run, Floats>();
     const std::size_t length = std::size_t(end - begin);
     if (buffer.size() < length * std::size_t(outputs) * 2) buffer.resize(length * std::size_t(outputs) * 2);
@@ -256,7 +267,7 @@ void play(const Run& run, const G& g, const M& model, const std::tuple<const Dat
     if constexpr (is_planes<M>)  // a plane that the look does not read has no step that would write its adjoint
       for (std::size_t k = 0; k < d.plane.size(); ++k)
         if (!run.writes(int(k))) std::fill(d.plane[k].begin() + begin, d.plane[k].begin() + end, 0.0f);
-    run.band(e, begin, end, y.data(), d_y.data(), part.data() + std::size_t(b) * std::size_t(n), n);
+    run.band(e, begin, end, y.data(), d_y.data(), in.part.data() + std::size_t(b) * std::size_t(n), n);
     if (image) done(b, begin, end, y.data());
   });
   std::size_t i = 0, resource = 0;
@@ -264,11 +275,11 @@ void play(const Run& run, const G& g, const M& model, const std::tuple<const Dat
     each([&]<class X>(X& x) {
       if constexpr (Plain<X>) {
         x = 0;
-        for (std::size_t b = 0; b < bands; ++b) x += part[b * std::size_t(n) + i];
+        for (std::size_t b = 0; b < bands; ++b) x += in.part[b * std::size_t(n) + i];
         ++i;
       } else {
         std::fill(x.texels.begin(), x.texels.end(), 0.0f);
-        gather_scatter(x, scatters, resource++);
+        gather_scatter(x, in.scatters, resource++);
       }
     }, d);
 }
@@ -279,15 +290,20 @@ void gradient(const G& g, const With<Look, Data...>& w, const M& model, int outp
   using One = typename model_at<M>::type;
   using Pixels = pixels_of<G>;
   constexpr bool maps = is_planes<M>;
-  constexpr bool compile = Which == Player::compiled || (Which == Player::automatic &&
+  constexpr bool fixed = has_fixed_members<One>() || (... || has_fixed_members<Data>());
+  constexpr bool compile = Which == Player::compiled || (Which == Player::automatic && !fixed &&
                            CompilerRecords<One, Pixels::template type, maps, Look, Data...>);
   if constexpr (compile) {
+    static_assert(!fixed, "burnish: the compiler cannot know what is Fixed in this model or data; leave the choice to "
+                          "Player::automatic, or make it a parameter");
     static_assert(Captureless<Look>, "burnish: this look captures; the compiler cannot record it. Hand run-time data over "
                                      "with with(look, data...), or leave the choice to Player::automatic");
     using S = Source<One, Pixels::template type, maps, Look, Data...>;
     play(CompiledRun<Image, true, S, G, M, Data...>(0), g, model, w.data, outputs, Image, fill, done, d);
   } else {
-    const Replay replay(record<One, Pixels::template type, maps, Look, Data...>(w.look), Image, true);
+    const One* plain = nullptr;
+    if constexpr (!maps) plain = &model;
+    const Replay replay(record<One, Pixels::template type, maps, Look, Data...>(w.look, plain, &w.data), Image, true);
     play(ReplayRun{replay}, g, model, w.data, outputs, Image, fill, done, d);
   }
 }
