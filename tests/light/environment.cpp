@@ -29,7 +29,8 @@ vec3<double> energy(const Image& p) {
 }
 vec3<double> random_direction(std::mt19937& random) {
   std::normal_distribution<double> any;
-  return normalize(vec3<double>(any(random), any(random), any(random)));
+  const double x = any(random), y = any(random), z = any(random);
+  return normalize(vec3<double>(x, y, z));
 }
 vec3<float> narrow(const vec3<double>& d) { return vec3<float>(d); }
 }  // namespace

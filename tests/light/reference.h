@@ -82,7 +82,10 @@ struct Surfels {
   Surfels(int n, double least, unsigned seed = 1) {
     std::mt19937 random(seed);
     std::normal_distribution<double> normal;
-    const auto any = [&] { return normalize(vec3<double>(normal(random), normal(random), normal(random))); };
+    const auto any = [&] {
+      const double x = normal(random), y = normal(random), z = normal(random);  // in this order for every compiler
+      return normalize(vec3<double>(x, y, z));
+    };
     while (int(all.size()) < n) {
       const vec3<double> a = any(), b = any();
       if (dot(a, b) > least) all.push_back({vec3<float>(a), vec3<float>(b)});

@@ -140,7 +140,7 @@ private:
     return d;
   }
 
-  template <class T> int_t<T> inside(const T& index) const {
+  template <class T> [[gnu::always_inline]] int_t<T> inside(const T& index) const {
     return to_int(min(max(index + 0.5f, 0.0f), float(std::max(size_ - 1, 0)) + 0.5f));
   }
   /// The two knots beside a roughness, u = 0 at the lower and 1 at the upper.
