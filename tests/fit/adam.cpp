@@ -52,7 +52,7 @@ Sticker<float> slope(int step, float size = 1) {
   });
   return d;
 }
-/// Kingma and Ba 2015, algorithm 1, in double and in the parameter's own unit u = (x - low) / (high - low), kept to 0..1.
+/// Kingma and Ba 2015, algorithm 1, in double and in units of the range, u = (x - low) / (high - low), kept to 0..1.
 struct Paper {
   double rate, beta1, beta2, epsilon;
   std::vector<double> m{}, v{};

@@ -9,8 +9,9 @@
 
 namespace burnish {
 
-/// A parameter with a range steps by about rate times the range's width and stays inside; one without, by rate. Texels of a
-/// fitted image count as numbers of the image's range. epsilon stands beside the root of the corrected second moment.
+/// A parameter with a range steps by about rate times the range's width and stays inside; one without, by rate. Texels
+/// of a fitted image count as numbers of the image's range. epsilon stands beside the root of the corrected second
+/// moment.
 struct Adam {
   float rate = 0.02f, beta1 = 0.9f, beta2 = 0.999f, epsilon = 1e-8f;
   // What a later step needs: a fit goes on to the same bits from a copy of these.
@@ -31,7 +32,8 @@ struct Adam {
       m = beta1 * m + (1 - beta1) * g;
       v = beta2 * v + (1 - beta2) * g * g;
       const bool open = r.low <= anything.low || r.high >= anything.high;
-      // In units of the range the slope is g times the width; Adam's quotient does not change by it, epsilon's weight does.
+      // In units of the range the slope is g times the width; Adam's quotient does not change by it, epsilon's weight
+      // does.
       const float width = open ? 1 : r.high - r.low;
       x -= rate * width * (m / c1) / (std::sqrt(v / c2) + epsilon / std::max(width, 1e-6f));
       x = std::min(std::max(x, r.low), r.high);
