@@ -46,7 +46,7 @@ template <class F, class Away, class... P> void hold(F f, Away away, How how, P.
   for (int i = 0; i < how.points; ++i) {
     do move(random, p...);
     while (!away(p...));
-    const GradientCheck check = check_gradient(number, 1e-7, how.step, p...);
+    const GradientCheck check = check_gradient(number, Checking{.step = how.step}, p...);
     // Where f is level the difference is rounding alone, and nothing to measure the slope 0 by.
     const bool level = std::fabs(check.slope) < 1e-12 && std::fabs(check.difference) < 1e-9;
     if (check.verdict != Verdict::right && !level) {

@@ -42,7 +42,7 @@ void holds(F f, Draw draw, double rounding = 1e-5, double scale = 1e-3, double s
           worst_packet = std::max(worst_packet, off(f(lift<Packet<float, 16>>(a)...)[i % 16]));
           worst_double = std::max(worst_double, off(f(lift<Packet<double, 8>>(a)...)[i % 8]));
           worst_double = std::max(worst_double, off(std::get<0>(differentiate(f, a...))));
-          const GradientCheck c = check_gradient(f, 1e-7, step, a...);
+          const GradientCheck c = check_gradient(f, Checking{.step = step}, a...);
           if (std::max(worst_float, worst_packet) >= rounding && rounded.empty())
             rounded = "float " + std::to_string(double(f(lift<float>(a)...))) + " for " + std::to_string(y) + " at " +
                       c.point;

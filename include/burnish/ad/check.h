@@ -72,10 +72,13 @@ template <class F> Difference difference(F f, double x, double step) {
 }
 }  // namespace detail
 
+/// How strictly to check.
+struct Checking {
+  double tolerance = 1e-7;  ///< the largest error called right, and the largest uncertainty called decided
+  double step = 1e-2;       ///< the first, relative to max(|x|, 0.1)
+};
 /// Checks d f / d args at one point. f takes what differentiate takes; args are double, or structs of double.
-/// tolerance: the largest error called right, and the largest uncertainty called decided. step: first step, relative
-/// to max(|x|, 0.1).
-template <class F, class... Args> GradientCheck check_gradient(F&& f, double tolerance, double step, const Args&... args) {
+template <class F, class... Args> GradientCheck check_gradient(F&& f, const Checking& how, const Args&... args) {
   const auto all = differentiate(f, args...);
   std::vector<double> slopes;
   std::vector<std::string> names;
@@ -99,7 +102,7 @@ template <class F, class... Args> GradientCheck check_gradient(F&& f, double tol
   for (const double s : slopes) largest = std::max(largest, std::fabs(s));
   GradientCheck worst;
   for (std::size_t i = 0; i < at.size(); ++i) {
-    const double x0 = *at[i], first = step * std::max(std::fabs(x0), 0.1);
+    const double x0 = *at[i], first = how.step * std::max(std::fabs(x0), 0.1);
     const auto numeric = detail::difference([&](double x) { *at[i] = x; return value(); }, x0, first);
     *at[i] = x0;
     const double scale = std::max({std::fabs(slopes[i]), std::fabs(numeric.slope), 0.01 * largest, 1e-9 * f0, 1e-30});
@@ -107,7 +110,7 @@ template <class F, class... Args> GradientCheck check_gradient(F&& f, double tol
     // Where f is level, slope and difference are both nothing but rounding.
     const double nothing = 1e-9 * std::max(f0, 1e-3);
     const bool level = std::fabs(slopes[i]) <= nothing && std::fabs(numeric.slope) <= nothing + numeric.uncertainty;
-    Verdict v = error <= tolerance || level ? Verdict::right : doubt <= tolerance ? Verdict::wrong : Verdict::undecided;
+    Verdict v = error <= how.tolerance || level ? Verdict::right : doubt <= how.tolerance ? Verdict::wrong : Verdict::undecided;
     if (!std::isfinite(slopes[i])) v = Verdict::wrong;
     ++worst.checked;
     worst.undecided += v == Verdict::undecided;
@@ -125,9 +128,9 @@ template <class F, class... Args> GradientCheck check_gradient(F&& f, double tol
     worst.point += (i ? ", " : "") + names[i] + " = " + detail::digits(*at[i], 17);
   return worst;
 }
-/// With a tolerance of 1e-7 and a first step of 1e-2.
-template <class F, class... Args> GradientCheck check_gradient(F&& f, const Args&... args) requires(!std::is_same_v<std::tuple<Args...>, std::tuple<>>) {
-  return check_gradient(f, 1e-7, 1e-2, args...);
+template <class F, class First, class... Rest>
+GradientCheck check_gradient(F&& f, const First& first, const Rest&... rest) requires(!std::is_same_v<First, Checking>) {
+  return check_gradient(f, Checking{}, first, rest...);
 }
 
 /// Every number of p somewhere inside its range, open ranges taken as -2 to 2. margin keeps off both ends, as a part of the

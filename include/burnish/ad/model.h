@@ -128,6 +128,8 @@ template <class A, class B, std::size_t... I> constexpr void copy_fixed_in(std::
 }
 template <class A, class B> constexpr void copy_fixed(A& a, const B& b) {
   if constexpr (Model<A>) copy_fixed_in(std::make_index_sequence<listed<A>>{}, a, b);
+  else if constexpr (is_array<A>)
+    for (std::size_t i = 0; i < a.size(); ++i) copy_fixed(a[i], b[i]);
 }
 template <std::size_t I, class A, class B> constexpr void copy_fixed_member(A& a, const B& b) {
   constexpr auto p = std::get<I>(A::parameters());
@@ -147,6 +149,7 @@ template <class A, std::size_t... I> constexpr bool any_fixed(std::index_sequenc
 /// Does A, or a struct in it, carry what is never fitted?
 template <class A> constexpr bool has_fixed_members() {
   if constexpr (Model<A>) return any_fixed<A>(std::make_index_sequence<listed<A>>{});
+  else if constexpr (is_array<A>) return has_fixed_members<typename A::value_type>();
   else return false;
 }
 

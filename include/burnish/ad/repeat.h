@@ -25,6 +25,8 @@ template <template <class> class Item, class A, class U> struct rebind<std::vect
 
 /// The sum of f(item) over the list; f gives a number, a vector or any struct with parameters().
 template <template <class> class Item, class T, class F> constexpr auto repeat(const List<Item, T>& list, F&& f) {
+  static_assert(!detail::has_fixed_members<Item<T>>(),
+                "burnish: the items of a list hold numbers only; what is Fixed in them no recording can know");
   if constexpr (std::is_same_v<T, Recorded>) {
     Recording& r = *list.recording;
     if (r.open >= 0) throw std::logic_error("burnish: repeat inside repeat is not recorded; flatten the two lists into one");
