@@ -221,6 +221,9 @@ TEST_CASE("surfel_to_blame: the first of several; none where none is, or none is
   GBuffer g = sphere::seen(48);
   CHECK_FALSE(surfel_to_blame(g, lit(), Paint{}, ones).has_value());
   CHECK_FALSE(surfel_to_blame(GBuffer{}, lit(), Paint{}, Image()).has_value());
+  Image odd = ones;  // the fault lies in the loss
+  odd.plane(1)[0] = odd.plane(1)[g.pixel[700]] = std::nanf("");  // the corner is not in g
+  CHECK(surfel_to_blame(g, lit(), Paint{}, odd) == 700);
   for (const int planted : {900, 301, 300}) {
     g.plane[3][std::size_t(planted)] = std::numeric_limits<float>::infinity();
     CHECK(surfel_to_blame(g, lit(), Paint{}, ones) == planted);
