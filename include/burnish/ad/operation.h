@@ -335,7 +335,7 @@ template <class Op> constexpr unsigned name_hash() {
 struct Step;  // an instruction of the replay, ad/replay.h
 using Run = void(const Step&, float* memory, float* frame, const int* more, const Environment&);
 template <class Op> void strip_forward(const Step&, float* memory, float* frame, const int* more, const Environment&);
-template <class Op> constexpr Run* backward_step(const int* modes);
+template <class Op> Run* backward_step(const int* modes);
 
 }  // namespace detail
 

@@ -129,7 +129,7 @@ void strip_backward(const Step& s, float* memory, float* frame, const int* more,
   }
 }
 /// The player of a step back whose adjoints go where modes say.
-template <class Op> constexpr Run* backward_step(const int* modes) {
+template <class Op> Run* backward_step(const int* modes) {
   if constexpr (brief<Op> && Op::inputs == 1) {
     if (modes[0] == assigned) return strip_backward<Op, assigned>;
     if (modes[0] == added) return strip_backward<Op, added>;
