@@ -133,6 +133,23 @@ struct Inputs {
   std::vector<float> part;                     // bands x parameters
   std::vector<std::vector<Scatter>> scatters;  // bands x resources
 
+private:  // before gather: their types are deduced
+  auto into(std::vector<float>& v) {
+    return [this, &v]<class X>(const X& x) {
+      if constexpr (Plain<X>) v.push_back(x);
+      else resources.push_back(&*x);
+    };
+  }
+  template <class D> void add(const D& d) {
+    if constexpr (requires { rebind_t<D, Recorded>{}.recording; d.begin(); }) {
+      const std::size_t before = list_values.size();
+      for (const auto& item : d) each(into(list_values), item);
+      const int n = int(d.size());
+      lists.push_back({nullptr, n ? int(list_values.size() - before) / n : 0, n});
+    } else each(into(data), d);
+  }
+
+public:
   template <class G, class M, class... Data> void gather(const G& g, const M& model, const std::tuple<const Data&...>& d, M& d_model) {
     parameters.clear(), data.clear(), list_values.clear(), lists.clear(), pixels.clear(), d_pixels.clear(), resources.clear();
     if constexpr (is_planes<M>) {
@@ -156,22 +173,6 @@ struct Inputs {
     e.parameters = parameters.data(), e.data = data.data(), e.pixels = pixels.data(), e.lists = lists.data();
     e.resources = resources.data(), e.d_pixels = d_pixels.data(), e.scatters = scatters[std::size_t(band)].data();
     return e;
-  }
-
-private:
-  auto into(std::vector<float>& v) {
-    return [this, &v]<class X>(const X& x) {
-      if constexpr (Plain<X>) v.push_back(x);
-      else resources.push_back(&*x);
-    };
-  }
-  template <class D> void add(const D& d) {
-    if constexpr (requires { rebind_t<D, Recorded>{}.recording; d.begin(); }) {
-      const std::size_t before = list_values.size();
-      for (const auto& item : d) each(into(list_values), item);
-      const int n = int(d.size());
-      lists.push_back({nullptr, n ? int(list_values.size() - before) / n : 0, n});
-    } else each(into(data), d);
   }
 };
 
@@ -298,6 +299,9 @@ void gradient(const G& g, const With<Look, Data...>& w, const M& model, int outp
                           "Player::automatic, or make it a parameter");
     static_assert(Captureless<Look>, "burnish: this look captures; the compiler cannot record it. Hand run-time data over "
                                      "with with(look, data...), or leave the choice to Player::automatic");
+    static_assert(!Captureless<Look> || CompilerRecords<One, Pixels::template type, maps, Look, Data...>,
+                  "burnish: the compiler cannot record this look; make every function that it calls constexpr, or leave the "
+                  "choice to Player::automatic. What stopped it is named below.");
     using S = Source<One, Pixels::template type, maps, Look, Data...>;
     play(CompiledRun<Image, true, S, G, M, Data...>(0), g, model, w.data, outputs, Image, fill, done, d);
   } else {
