@@ -10,13 +10,13 @@
 #include <burnish/io/mesh.h>
 #include <burnish/io/model.h>
 #include <burnish/io/report.h>
-#include <burnish/scene/raycast.h>
 #include "certainty.h"
 #include "progress.h"
-#include "vehicle_parts.h"
+#include "shot.h"
 
 using namespace burnish;
 using parts::Role;
+using shot::Shot, shot::World, shot::lit, shot::linear;
 
 namespace {
 
@@ -40,18 +40,20 @@ inline constexpr auto painted = [](const auto& paint, const auto& at, const auto
   return developed(illuminate(paint(at), at, light, suns, strength));
 };
 
-/// A pane and the light that comes through it from behind, as a part of the sky's.
+/// A pane; the light that comes through it from behind, as a part of the sky's; and what it mirrors, as a part of the
+/// panorama's: the real place is another one.
 template <class T> struct Window {
   WindowGlass<T> glass;
   vec3<T> behind = {0.1f, 0.1f, 0.1f};
+  T mirrored = 0.7f;
   static constexpr auto parameters() {
-    return std::tuple{Param{"glass", &Window::glass}, Param{"behind", &Window::behind, Range{0, 1}}};
+    return std::tuple{Param{"glass", &Window::glass}, Param{"behind", &Window::behind, unit}, Param{"mirrored", &Window::mirrored, unit}};
   }
 };
 inline constexpr auto glazed = [](const auto& window, const auto& at, const auto& light, const auto& suns, const auto& strength) {
   const auto surface = window.glass(at);
   const auto through = transmittance(surface, dot(at.normal, at.view)) * window.behind * strength.sky;
-  return developed(illuminate(surface, at, light, suns, strength) + through);
+  return developed(illuminate(surface, at, light, suns, strength) * window.mirrored + through);
 };
 /// A look that is recorded when it runs: builds faster and plays slower; for the small parts.
 template <class Look> struct AtRunTime {
@@ -156,36 +158,6 @@ Inputs read(const Options& o) {
 
 // ---- the light -------------------------------------------------------------------------------------------------------
 
-struct World {
-  EnvironmentLight sky;
-  LightStrength<float> strength;
-  vec3<float> occluded;  // radiance of what hides the sky: the vehicle itself, taken as a rough grey
-};
-/// What the camera sees, apart by role, and the light on all of it, gathered once.
-struct Shot {
-  std::array<GBuffer, 4> parts;
-  LightOf<float> light;
-  const GBuffer& operator[](Role r) const { return parts[std::size_t(r)]; }
-};
-Shot gather(const World& world, const Raycaster& scene, const GBuffer& g, const std::vector<Role>& roles, Rings::Size rings) {
-  std::vector<int> order;  // the paint's surfels first: they lie together in the light's tables
-  std::array<std::vector<int>, 4> places;
-  for (std::size_t r = 0; r < 4; ++r)
-    for (int i = 0; i < g.size(); ++i)
-      if (roles[std::size_t(i)] == Role(r)) places[r].push_back(int(order.size())), order.push_back(i);
-  const GBuffer sorted = g.picked(order);
-  const auto blocked = [&](int i, std::span<const vec3<float>> directions, std::span<std::uint8_t> out) {
-    static thread_local std::vector<vec3<float>> origins;
-    origins.assign(directions.size(), scene.lift(sorted.at(i).position, sorted.geometric_normal(i)));
-    scene.occluded(origins, directions, out);
-  };
-  Shot shot{{}, LightOf<float>(Illumination(world.sky, sorted, blocked, {.rings = rings, .occluded = world.occluded}))};
-  for (std::size_t r = 0; r < 4; ++r) shot.parts[r] = sorted.picked(places[r], false);
-  return shot;
-}
-template <class Look> auto lit(const Look& look, const Shot& shot, const World& world) {
-  return with(look, shot.light, world.sky.suns, world.strength);
-}
 /// Neutral on average, and as strong as a street of middling grey (albedo 0.2) must have been lit to give the photo's mean
 /// brightness.
 World world_of(const Options& o, const Inputs& in) {
@@ -206,23 +178,22 @@ World world_of(const Options& o, const Inputs& in) {
   world.strength.sky = world.strength.sun = o.exposure > 0 ? vec3<float>(o.exposure) : grey;
   return world;
 }
-/// How many times stronger the light must be for half of the paint's pixels to need no albedo above 0.8, the whitest that
-/// paints are; at least 1.
-float white_point(const Shot& shot, const World& world, const Photo& photo, const Mask& overlap) {
+/// How many times stronger the light must be for half of the paint's pixels to need no albedo above 0.8, the most that
+/// paints have, in any channel; at least 1.
+float white_point(const Shot& seen, const World& world, const Photo& photo, const Mask& overlap) {
   CarPaint<float> white;
   white.base_color = {0.8f, 0.8f, 0.8f}, white.base_metalness = 0;
-  const Image image = render(shot[Role::paint], lit(painted, shot, world), white);
-  std::vector<float> ratio;
-  for (std::size_t i = 0; i < overlap.values.size(); ++i) {
-    if (overlap.values[i] < 0.5f) continue;
-    const auto light = [&](const Image& from) {
-      return luminance(vec3<float>(undeveloped(from.plane(0)[i]), undeveloped(from.plane(1)[i]), undeveloped(from.plane(2)[i])));
-    };
-    ratio.push_back(light(photo.image) / std::max(light(image), 1e-4f));
+  const Image image = render(seen[Role::paint], lit(painted, seen, world), white);
+  float most = 1;
+  for (int c = 0; c < 3; ++c) {
+    std::vector<float> ratio;
+    for (std::size_t i = 0; i < overlap.values.size(); ++i)
+      if (overlap.values[i] > 0.5f) ratio.push_back(undeveloped(photo.image.plane(c)[i]) / std::max(undeveloped(image.plane(c)[i]), 1e-4f));
+    if (ratio.empty()) break;
+    std::nth_element(ratio.begin(), ratio.begin() + std::ptrdiff_t(ratio.size() / 2), ratio.end());
+    most = std::max(most, ratio[ratio.size() / 2]);
   }
-  if (ratio.empty()) return 1;
-  std::nth_element(ratio.begin(), ratio.begin() + std::ptrdiff_t(ratio.size() / 2), ratio.end());
-  return std::clamp(ratio[ratio.size() / 2], 1.0f, 8.0f);
+  return std::min(most, 8.0f);
 }
 
 // ---- one part against the photo --------------------------------------------------------------------------------------
@@ -249,9 +220,9 @@ Mask without_extremes(const Image& image, Mask mask) {
   return mask;
 }
 
-/// What the photo does not tell stays near where it began: a parabola over every parameter's range but a colour's, added to
-/// the loss and to d. Frozen parameters lose their derivative.
-template <class M> double hold_back(const M& model, const M& start, M& d, const Options& options) {
+/// What the photo does not tell stays near where it began: a parabola over every parameter's range but a colour's, of that
+/// strength, added to the loss and to d. Frozen parameters lose their derivative.
+template <class M> double hold_back(const M& model, const M& start, M& d, const Options& options, float strength) {
   double loss = 0;
   std::vector<std::pair<std::string, Range>> names;
   for_each_parameter(d, [&](const std::string& name, auto&, Range r) { names.push_back({name, r}); });
@@ -259,10 +230,10 @@ template <class M> double hold_back(const M& model, const M& start, M& d, const 
   each([&](float& slope, const float& x, const float& x0) {
     const auto& [name, range] = names[i++];
     if (options.frozen(name)) slope = 0;
-    else if (name.find("color") == std::string::npos && name.find("behind") == std::string::npos) {
+    else if (name.find("color") == std::string::npos && name.find("behind") == std::string::npos && name != "mirrored") {
       const float width = range.high - range.low, off = (x - x0) / width;
-      loss += double(options.prior * off * off);
-      slope += 2 * options.prior * off / width;
+      loss += double(strength * off * off);
+      slope += 2 * strength * off / width;
     }
   }, d, model, start);
   return loss;
@@ -275,13 +246,13 @@ template <class M> struct Fitted {
   int pixels = 0;                 // that lie on the photo's part
   double seconds = 0;
 };
-template <class M, class Look> Fitted<M> fit_part(Role role, const M& start, FitState<M> state, const Look& look, const Shot& shot,
+template <class M, class Look> Fitted<M> fit_part(Role role, const M& start, FitState<M> state, const Look& look, const Shot& from,
                                                   const World& world, const Photo& photo, const Options& options) {
   const std::string name = parts::role_names[std::size_t(role)], checkpoint = options.output + "/" + name + ".state.json";
-  const GBuffer& g = shot[role];
+  const GBuffer& g = from[role];
   const Mask target = photo.of(role), cover = g.frame("coverage"), overlap = both(target, cover);
   const Statistics statistics(photo.image, role == Role::paint ? target : without_extremes(photo.image, target));
-  const auto seen = lit(look, shot, world);
+  const auto seen = lit(look, from, world);
   const int n = int(std::count_if(overlap.values.begin(), overlap.values.end(), [](float x) { return x > 0; }));
   Progress progress(name);
   Fitted<M> out{std::move(state), {}, n, 0};
@@ -298,7 +269,7 @@ template <class M, class Look> Fitted<M> fit_part(Role role, const M& start, Fit
     const double loss = masked_l1(image, photo.image, overlap, weights.aligned, d_image) +
                         part_statistics(image, cover, statistics, weights.statistics, d_image);
     backward(g, seen, model, d_image, d);
-    const double pull = hold_back(model, start, d, options);
+    const double pull = hold_back(model, start, d, options, float(options.prior / weights.aligned));
     try {
       out.state.adam.check(d);
     } catch (const Error& e) {
@@ -342,103 +313,6 @@ template <class M> void add_rows(std::vector<std::vector<std::string>>& rows, co
                     text("%g to %g", r.low, r.high),
                     o.frozen(name) ? "held" : x <= r.low || x >= r.high ? "at its bound" : open ? "the photo does not tell" : ""});
   });
-}
-
-// ---- pictures --------------------------------------------------------------------------------------------------------
-
-Image linear(const Image& shown) {
-  Image out = shown;
-  for (float& x : out.values) x = detail::from_srgb(x);
-  return out;
-}
-
-/// The vehicle over the photo, as linear light. Pixels where everything is alike are drawn once, others 2 x 2 times.
-class Compositor {
-public:
-  static constexpr int fine = 2;
-  Compositor(const Photo& photo, const Camera& camera, const Raycaster& scene, const World& w, const std::vector<parts::GivenRole>& given)
-      : world(w), background(linear(photo.image)), width(camera.width * fine) {
-    const GBuffer full = scene.trace(camera.scaled(fine), 1);
-    const std::vector<Role> roles = parts::roles_of(full, scene.mesh(), given);
-    hits.resize(std::size_t(camera.width) * std::size_t(camera.height));
-    std::vector<std::array<int, fine * fine>> samples(hits.size());
-    for (int i = 0; i < full.size(); ++i) {
-      const std::size_t p = pixel(full.pixel[std::size_t(i)]);
-      samples[p][std::size_t(hits[p]++)] = i;
-    }
-    std::vector<int> chosen;
-    std::vector<Role> role;
-    for (std::size_t p = 0; p < hits.size(); ++p) {
-      const auto& s = samples[p];
-      bool alike = hits[p] == fine * fine && full.parts[std::size_t(full.part[std::size_t(s[0])])].texture < 0;
-      for (int k = 1; k < hits[p] && alike; ++k)
-        alike = full.part[std::size_t(s[std::size_t(k)])] == full.part[std::size_t(s[0])] &&
-                dot(full.at(s[std::size_t(k)]).normal, full.at(s[0]).normal) > 0.995f;
-      for (int k = 0; k < (alike ? 1 : hits[p]); ++k) chosen.push_back(s[std::size_t(k)]), role.push_back(roles[std::size_t(s[std::size_t(k)])]);
-    }
-    shot = gather(world, scene, full.picked(chosen), role, Rings::Size::small);
-    const GBuffer& other = shot[Role::other];
-    looks = Planes<parts::FileLook>(other.size());
-    for (int i = 0; i < other.size(); ++i)
-      looks.set(i, parts::file_look(scene.mesh(), other.parts[std::size_t(other.part[std::size_t(i)])], other.at(i).uv));
-  }
-  Image operator()(const Vehicle& v) const {
-    Image image(width, background.height * fine), out = background;
-    const auto draw = [&](Role r, const auto& look, const auto& model) {
-      if (shot[r].size()) render(shot[r], lit(look, shot, world), model, image);
-    };
-    draw(Role::paint, painted, v.paint), draw(Role::glass, glazed, v.window), draw(Role::rubber, painted, v.rubber);
-    draw(Role::other, painted, looks);
-    std::vector<vec3<float>> sum(hits.size());
-    std::vector<int> count(hits.size());
-    for (const GBuffer& g : shot.parts)
-      for (const int p : g.pixel) {
-        const vec3<float> c = image.at(p % width, p / width);
-        sum[pixel(p)] += vec3<float>(detail::from_srgb(c.x), detail::from_srgb(c.y), detail::from_srgb(c.z));
-        ++count[pixel(p)];
-      }
-    for (int i = 0; i < int(hits.size()); ++i) {
-      if (hits[std::size_t(i)] == 0) continue;
-      const int x = i % out.width, y = i / out.width;
-      const float a = float(hits[std::size_t(i)]) / (fine * fine);
-      out.set(x, y, out.at(x, y) * (1 - a) + sum[std::size_t(i)] * (a / float(count[std::size_t(i)])));
-    }
-    return out;
-  }
-
-private:
-  const World& world;
-  Image background;
-  int width;
-  std::vector<int> hits;  // of each pixel's fine ones, how many the vehicle covers
-  Shot shot;
-  Planes<parts::FileLook> looks;
-
-  std::size_t pixel(int p) const { return std::size_t(p / width / fine) * std::size_t(background.width) + std::size_t(p % width / fine); }
-};
-
-/// How far apart the pictures are, where photo and model overlap.
-Image difference(const Image& shown, const Photo& photo, const Mask& coverage) {
-  Image out(shown.width, shown.height);
-  for (int y = 0; y < shown.height; ++y)
-    for (int x = 0; x < shown.width; ++x) {
-      const vec3<float> d = shown.at(x, y) - photo.image.at(x, y);
-      const float inside = std::min(coverage.at(x, y), photo.vehicle.at(x, y));
-      out.set(x, y, vec3<float>(std::abs(d.x), std::abs(d.y), std::abs(d.z)) * inside);
-    }
-  return linear(out);
-}
-/// Normals as colours, and the roles.
-std::pair<Image, Image> shown_gbuffer(const GBuffer& g, const std::vector<Role>& roles) {
-  constexpr std::array<vec3<float>, 4> colors{{{0.75f, 0.2f, 0.15f}, {0.2f, 0.5f, 0.8f}, {0.25f, 0.25f, 0.25f}, {0.8f, 0.7f, 0.3f}}};
-  Image normals(g.width, g.height), kinds(g.width, g.height);
-  for (int i = 0; i < g.size(); ++i) {
-    const int p = g.pixel[std::size_t(i)];
-    const Surfel<float> s = g.at(i);
-    normals.set(p % g.width, p / g.width, s.normal * 0.5f + vec3<float>(0.5f));
-    kinds.set(p % g.width, p / g.width, colors[std::size_t(roles[std::size_t(i)])] * (0.4f + 0.6f * dot(s.normal, s.view)));
-  }
-  return {linear(normals), linear(kinds)};
 }
 
 // ---- all of it -------------------------------------------------------------------------------------------------------
@@ -491,23 +365,23 @@ int run(const Options& o) {
   for (int i = 0; i < g.size(); ++i)
     if (roles[std::size_t(i)] != Role::other) fitted.push_back(i), fitted_roles.push_back(roles[std::size_t(i)]);
   World world = dim;
-  const Shot shot = gather(world, scene, g.picked(fitted), fitted_roles, Rings::Size::medium);
+  const Shot lit_pixels = shot::gather(world, scene, g.picked(fitted), fitted_roles, Rings::Size::medium);
   const Mask coverage = g.frame("coverage");
   if (o.exposure <= 0) {
-    const float up = white_point(shot, world, photo, both(photo.of(Role::paint), shot[Role::paint].frame("coverage")));
+    const float up = white_point(lit_pixels, world, photo, both(photo.of(Role::paint), lit_pixels[Role::paint].frame("coverage")));
     world.strength.sky *= up, world.strength.sun *= up;
   }
   std::snprintf(note, sizeof note, "%zu suns, strength %.2f %.2f %.2f, %.0f MB of tables", world.sky.suns.size(), double(world.strength.sky.x),
-                double(world.strength.sky.y), double(world.strength.sky.z), double(shot.light.bytes()) / 1e6);
+                double(world.strength.sky.y), double(world.strength.sky.z), double(lit_pixels.light.bytes()) / 1e6);
   lighting.finish(note);
 
   // The fits. From here on something is written.
   check_writable(o.output);
   Vehicle before, after;
   before.paint.base_metalness = 0.1f;
-  const auto paint = fit_part(Role::paint, before.paint, std::move(in.paint), painted, shot, world, photo, o);
-  const auto window = fit_part(Role::glass, before.window, std::move(in.window), AtRunTime<decltype(glazed)>{&glazed}, shot, world, photo, o);
-  const auto rubber = fit_part(Role::rubber, before.rubber, std::move(in.rubber), AtRunTime<decltype(painted)>{&painted}, shot, world, photo, o);
+  const auto paint = fit_part(Role::paint, before.paint, std::move(in.paint), painted, lit_pixels, world, photo, o);
+  const auto window = fit_part(Role::glass, before.window, std::move(in.window), AtRunTime<decltype(glazed)>{&glazed}, lit_pixels, world, photo, o);
+  const auto rubber = fit_part(Role::rubber, before.rubber, std::move(in.rubber), AtRunTime<decltype(painted)>{&painted}, lit_pixels, world, photo, o);
   after = {paint.state.best, window.state.best, rubber.state.best};
   write_model(o.output + "/paint.json", after.paint);
   write_model(o.output + "/glass.json", after.window);
@@ -516,16 +390,24 @@ int run(const Options& o) {
 
   // The pictures.
   Progress drawing("draw");
-  const Compositor compose(photo, camera, scene, world, in.roles);
-  const Image old = compose(before), now = compose(after);
+  const shot::Compositor compose(photo.image, camera, scene, world, in.roles);
+  const auto with_materials = [&](const Vehicle& v) {
+    return compose([&](const Shot& s, const auto& others, Image& image) {
+      render(s[Role::paint], lit(painted, s, world), v.paint, image);
+      render(s[Role::glass], lit(glazed, s, world), v.window, image);
+      render(s[Role::rubber], lit(painted, s, world), v.rubber, image);
+      render(s[Role::other], lit(painted, s, world), others, image);
+    });
+  };
+  const Image old = with_materials(before), now = with_materials(after);
   const int wide = 640, high = std::max(1, wide * camera.height / camera.width);
   const auto panel = [&](const Image& image) { return resized(image, wide, high); };
   Image shown = now;
   for (float& x : shown.values) x = detail::to_srgb(x);
   write_png(o.output + "/fit.png", sheet({{"photo", panel(linear(photo.image))}, {"before", panel(old)}, {"after", panel(now)},
-                                          {"difference, where photo and model overlap", panel(difference(shown, photo, coverage))}}, 2));
+                                          {"difference, where photo and model overlap", panel(shot::difference(shown, photo.image, coverage, photo.vehicle))}}, 2));
   write_png(o.output + "/after.png", now);
-  const auto [normals, kinds] = shown_gbuffer(g, roles);
+  const auto [normals, kinds] = shot::shown_gbuffer(g, roles);
   write_png(o.output + "/gbuffer.png", sheet({{"normals", panel(normals)}, {"paint red, glass blue, rubber grey, the rest yellow", panel(kinds)}}, 2));
   std::vector<double> losses = paint.state.losses;
   if (!losses.empty()) write_png(o.output + "/loss.png", curve(losses, "loss of the paint, by step"));

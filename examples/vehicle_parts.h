@@ -86,8 +86,8 @@ inline std::optional<Role> told_role(const Part& p) {
 }
 
 /// A role for every surfel. The paint is the material of the largest seen area among what nothing is told of, one that
-/// is called so before others. Where a texture shows that a part is not all of one kind (dark seams and windows on a
-/// painted body, a bright rim in a tyre), those surfels are `other`. Error for a given material that the file has not.
+/// is called so before others. Where a texture shows that a part is not all of one kind (dark seams and windows or
+/// small coloured lamps on a painted body, a bright rim in a tyre), those surfels are `other`. Error for a given material that the file has not.
 inline std::vector<Role> roles_of(const GBuffer& g, const Mesh& mesh, const std::vector<GivenRole>& given) {
   const std::size_t n = g.parts.size();
   std::vector<Role> role(n, Role::other);
@@ -141,15 +141,26 @@ inline std::vector<Role> roles_of(const GBuffer& g, const Mesh& mesh, const std:
       if (g.part[i] == part && key(color[i]) == most) sum += color[i], ++count;
     main[part] = sum / count;
   }
+  std::map<int, std::array<int, 6>> sectors;  // of each such part: how many surfels have a strong hue, by sixth
+  std::map<int, int> painted;
+  const auto sector = [](const vec3<float>& c) {
+    const vec3<float> hsv = rgbtohsv(c);
+    return hsv.y > 0.5f && hsv.z > 0.05f ? int(std::lround(hsv.x * 6)) % 6 : -1;
+  };
+  for (std::size_t i = 0; i < out.size(); ++i) {
+    if (out[i] != Role::paint || main.find(g.part[i]) == main.end()) continue;
+    ++painted[g.part[i]];
+    if (const int s = sector(color[i]); s >= 0) ++sectors[g.part[i]][std::size_t(s)];
+  }
   for (std::size_t i = 0; i < out.size(); ++i) {
     const std::size_t part = std::size_t(g.part[i]);
     if (g.parts[part].texture < 0 || fixed[part]) continue;
     const float y = luminance(color[i]);
     if (out[i] == Role::rubber && y > 0.1f) out[i] = Role::other;
     if (out[i] != Role::paint) continue;
-    const vec3<float> m = main[int(part)], c = color[i] / std::max(y, 0.01f), d = c - m / std::max(luminance(m), 0.01f);
-    const bool hue = dot(d, d) > 0.5f && std::max(y, luminance(m)) > 0.05f;
-    if (y < 0.2f * luminance(m) || hue) out[i] = Role::other;
+    if (y < 0.2f * luminance(main[int(part)])) out[i] = Role::other;
+    else if (const int s = sector(color[i]); s >= 0 && float(sectors[int(part)][std::size_t(s)]) < 0.04f * float(painted[int(part)]))
+      out[i] = Role::other;
   }
   return out;
 }
