@@ -27,7 +27,8 @@ template <class M> void from_json(const nlohmann::ordered_json& j, M& model, con
       ++found;
       if (!at->is_number()) throw Error(file + ": \"" + name + "\" is " + at->dump() + ", expected a number");
       const float v = at->template get<float>();
-      if (!(v >= range.low && v <= range.high)) {
+      const bool open = range.low <= anything.low && range.high >= anything.high;
+      if (!std::isfinite(v) || (!open && !(v >= range.low && v <= range.high))) {
         std::ostringstream s;
         s << file << ": \"" << name << "\" is " << v << ", expected " << range.low << " to " << range.high;
         throw Error(s.str());
