@@ -18,6 +18,7 @@
 #include <burnish/ad/recording.h>
 #include <burnish/ad/repeat.h>
 #include <burnish/ad/replay.h>
+#include <burnish/ad/strip.h>
 #include <burnish/ad/tape.h>
 #include <burnish/math/color.h>
 #include <burnish/math/frame.h>

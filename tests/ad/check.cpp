@@ -19,7 +19,9 @@ struct NotANumber : Operation<1> {
 template <class T> struct Gloss {
   vec3<T> tint = {0.4f, 0.3f, 0.2f};
   T rough = 0.3f;
-  static constexpr auto parameters() { return std::tuple{Param{"tint", &Gloss::tint, unit}, Param{"rough", &Gloss::rough, unit}}; }
+  static constexpr auto parameters() {
+    return std::tuple{Param{"tint", &Gloss::tint, unit}, Param{"rough", &Gloss::rough, unit}};
+  }
 };
 }  // namespace
 

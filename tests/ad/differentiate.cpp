@@ -76,7 +76,8 @@ TEST_CASE("differentiate: on every thread at once", "[ad][agreement]") {
   }
 }
 TEST_CASE("differentiate: an exception in the function leaves the tape usable", "[ad][limit]") {
-  CHECK_THROWS_AS(differentiate([](auto x) -> decltype(x) { throw std::runtime_error("no"); }, 1.0), std::runtime_error);
+  CHECK_THROWS_AS(differentiate([](auto x) -> decltype(x) { throw std::runtime_error("no"); }, 1.0),
+                  std::runtime_error);
   CHECK(std::get<1>(differentiate([](auto x) { return x * x; }, 3.0)) == 6);
 }
 TEST_CASE("duals: a Jacobian in one sweep, of packets too", "[ad][value]") {

@@ -11,7 +11,8 @@ template <class T> struct Flakes {
   T scale = 40, amount = 0.1f;
   int seed = 7;
   static constexpr auto parameters() {
-    return std::tuple{Param{"scale", &Flakes::scale, Range{5, 200}}, Param{"amount", &Flakes::amount}, Fixed{&Flakes::seed}};
+    return std::tuple{Param{"scale", &Flakes::scale, Range{5, 200}}, Param{"amount", &Flakes::amount},
+                      Fixed{&Flakes::seed}};
   }
 };
 template <class T> struct Coat {
@@ -21,8 +22,8 @@ template <class T> struct Coat {
   std::array<T, 2> weights = {0.25f, 0.75f};
   bool metallic = true;
   static constexpr auto parameters() {
-    return std::tuple{Param{"color", &Coat::color, unit},     Param{"flakes", &Coat::flakes, Range{0, 2}}, Param{"more", &Coat::more},
-                      Param{"weights", &Coat::weights, unit}, Fixed{&Coat::metallic}};
+    return std::tuple{Param{"color", &Coat::color, unit}, Param{"flakes", &Coat::flakes, Range{0, 2}},
+                      Param{"more", &Coat::more}, Param{"weights", &Coat::weights, unit}, Fixed{&Coat::metallic}};
   }
 };
 }  // namespace
@@ -31,8 +32,9 @@ TEST_CASE("models: names are joined by dots, in the order of parameters()", "[ad
   Coat<float> coat;
   std::vector<std::string> names;
   for_each_parameter(coat, [&](const std::string& name, float&, Range) { names.push_back(name); });
-  CHECK(names == std::vector<std::string>{"color.x", "color.y", "color.z", "flakes.scale", "flakes.amount", "more.0.scale", "more.0.amount",
-                                          "more.1.scale", "more.1.amount", "weights.0", "weights.1"});
+  CHECK(names == std::vector<std::string>{"color.x", "color.y", "color.z", "flakes.scale", "flakes.amount",
+                                          "more.0.scale", "more.0.amount", "more.1.scale", "more.1.amount", "weights.0",
+                                          "weights.1"});
   CHECK(count<Coat<float>>() == 11);
 }
 TEST_CASE("models: a member's own range goes before that of its struct", "[ad][value]") {
@@ -66,7 +68,8 @@ TEST_CASE("models: each walks several structs in step", "[ad][value]") {
 TEST_CASE("models: a derivative is a model, and what is fixed in it is the model's", "[ad][gradient]") {
   Coat<double> coat;
   coat.metallic = false;
-  const auto [y, d] = differentiate([](const auto& c) { return c.color.x * c.color.y + c.more[1].scale * c.weights[0] * 3.0f; }, coat);
+  const auto [y, d] =
+      differentiate([](const auto& c) { return c.color.x * c.color.y + c.more[1].scale * c.weights[0] * 3.0f; }, coat);
   CHECK(d.color.x == Approx(0.2));
   CHECK(d.color.y == Approx(0.1));
   CHECK(d.color.z == 0);
@@ -81,7 +84,8 @@ TEST_CASE("models: a forgotten member is seen, a listed one is not", "[ad][value
     static constexpr auto parameters() { return std::tuple{Param<Forgot, float>{"a", &Forgot::a}}; }
   };
   static_assert(!detail::complete<Forgot>());
-  static_assert(detail::complete<Flakes<float>>() && detail::complete<Coat<float>>() && detail::complete<vec3<float>>());
+  static_assert(detail::complete<Flakes<float>>() && detail::complete<Coat<float>>() &&
+                detail::complete<vec3<float>>());
   SUCCEED();
 }
 TEST_CASE("models: randomize stays inside the ranges and reaches most of them", "[ad][value]") {

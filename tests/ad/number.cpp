@@ -18,7 +18,8 @@ template <class T, class F> void agree(F f, const std::array<T, n>& by_compiler,
     volatile T x = low + (high - low) * T(i) / T(n - 1);
     const T at_run_time = f(x);
     CAPTURE(i, double(x), double(by_compiler[std::size_t(i)]), double(at_run_time));
-    CHECK(std::fabs(double(by_compiler[std::size_t(i)]) - double(at_run_time)) <= within * std::max(1.0, std::fabs(double(at_run_time))));
+    CHECK(std::fabs(double(by_compiler[std::size_t(i)]) - double(at_run_time)) <=
+          within * std::max(1.0, std::fabs(double(at_run_time))));
   }
 }
 }  // namespace

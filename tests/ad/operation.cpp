@@ -11,11 +11,13 @@ namespace {
 struct Inside {
   Range a, b = {-2, 2}, c = {-2, 2};
 };
-/// The slopes that Op::back gives in double at 1,000 points where away(a, b, c) holds, against Richardson differences of
-/// Op::value: 1e-7 of the larger of slope and value.
+/// The slopes that Op::back gives in double at 1,000 points where away(a, b, c) holds, against Richardson differences
+/// of Op::value: 1e-7 of the larger of slope and value.
 template <class Op, class Away> void slopes_are_right(Inside in, Away away, double step = 1e-2) {
   std::mt19937_64 random(7);
-  const auto pick = [&](Range r) { return std::uniform_real_distribution<double>(double(r.low), double(r.high))(random); };
+  const auto pick = [&](Range r) {
+    return std::uniform_real_distribution<double>(double(r.low), double(r.high))(random);
+  };
   const auto value = [](const std::array<double, 3>& x) {
     return detail::value_of<Op>(std::make_index_sequence<Op::inputs>{}, x.data());
   };
@@ -41,7 +43,9 @@ template <class Op, class Away> void slopes_are_right(Inside in, Away away, doub
   }
   SUCCEED();
 }
-template <class Op> void slopes_are_right(Inside in) { slopes_are_right<Op>(in, [](double, double, double) { return true; }); }
+template <class Op> void slopes_are_right(Inside in) {
+  slopes_are_right<Op>(in, [](double, double, double) { return true; });
+}
 
 }  // namespace
 
@@ -78,7 +82,8 @@ TEST_CASE("operations: the slopes of the elementary functions are their differen
   slopes_are_right<op::Asin>({{-0.9f, 0.9f}});
   slopes_are_right<op::Acos>({{-0.9f, 0.9f}});
   slopes_are_right<op::Tanh>({{-4, 4}});
-  slopes_are_right<op::Atan2>({{-2, 2}}, [](double a, double b, double) { return a * a + b * b > 0.1 && std::fabs(a) > 0.05; });
+  slopes_are_right<op::Atan2>({{-2, 2}},
+                              [](double a, double b, double) { return a * a + b * b > 0.1 && std::fabs(a) > 0.05; });
 }
 TEST_CASE("operations: where no slope exists the stated one is given", "[ad][limit]") {
   const auto slope = [](auto f, double x) { return std::get<1>(differentiate(f, x)); };
@@ -111,14 +116,29 @@ TEST_CASE("operations: what the way back keeps is found", "[ad][value]") {
 }
 TEST_CASE("functions: one value in every number, slopes of a long chain right", "[ad][agreement]") {
   const laws::Anywhere anywhere;
-  const auto off = [](double x, double y) { return std::fabs(x - y) > 0.05 && std::fabs(x) > 0.05 && std::fabs(y) > 0.05; };
-  laws::hold([](auto x, auto y) { return sin(x) * cos(y) + tan(0.3f * x) - exp(x * 0.5f) + log(y * y + 0.2f) / (1.5f + x); }, anywhere, {}, 0.0, 0.0);
-  laws::hold([](auto x, auto y) { return pow(x * x + 0.1f, y) + exp2(x) * log2(y * y + 0.3f) + rsqrt(x * x + 1.0f); }, anywhere, {}, 0.0, 0.0);
-  laws::hold([](auto x, auto y) { return asin(0.4f * x) + acos(0.3f * y) * atan2(y, x + 3.0f) + tanh(x - y); }, anywhere, {}, 0.0, 0.0);
-  laws::hold([](auto x, auto y) { return max(x, y) * min(x, y) + abs(x) + clamp(y, -1.5f, 1.7f) + mix(x, y, 0.3f) - (-x); }, off, {}, 0.0, 0.0);
-  laws::hold([](auto x, auto y) { return select(x < y, x * x, y * x) + select(!(x > y) || y <= 0.3f, y, x) + select(x >= 0.2f && y < 1.0f, x, y * y); },
-             [](double x, double y) { return std::fabs(x - y) > 0.05 && std::fabs(x - 0.2) > 0.05 && std::fabs(y - 1) > 0.05 && std::fabs(y - 0.3) > 0.05; },
-             {}, 0.0, 0.0);
+  const auto off = [](double x, double y) {
+    return std::fabs(x - y) > 0.05 && std::fabs(x) > 0.05 && std::fabs(y) > 0.05;
+  };
+  laws::hold(
+      [](auto x, auto y) { return sin(x) * cos(y) + tan(0.3f * x) - exp(x * 0.5f) + log(y * y + 0.2f) / (1.5f + x); },
+      anywhere, {}, 0.0, 0.0);
+  laws::hold([](auto x, auto y) { return pow(x * x + 0.1f, y) + exp2(x) * log2(y * y + 0.3f) + rsqrt(x * x + 1.0f); },
+             anywhere, {}, 0.0, 0.0);
+  laws::hold([](auto x, auto y) { return asin(0.4f * x) + acos(0.3f * y) * atan2(y, x + 3.0f) + tanh(x - y); },
+             anywhere, {}, 0.0, 0.0);
+  laws::hold(
+      [](auto x, auto y) { return max(x, y) * min(x, y) + abs(x) + clamp(y, -1.5f, 1.7f) + mix(x, y, 0.3f) - (-x); },
+      off, {}, 0.0, 0.0);
+  laws::hold(
+      [](auto x, auto y) {
+        return select(x < y, x * x, y * x) + select(!(x > y) || y <= 0.3f, y, x) +
+               select(x >= 0.2f && y < 1.0f, x, y * y);
+      },
+      [](double x, double y) {
+        return std::fabs(x - y) > 0.05 && std::fabs(x - 0.2) > 0.05 && std::fabs(y - 1) > 0.05 &&
+               std::fabs(y - 0.3) > 0.05;
+      },
+      {}, 0.0, 0.0);
   laws::hold([](auto x, auto y) { return smoothstep(-3.0f, 3.0f, x) * floor(y + 0.01f); },
              [](double, double y) { return std::fabs(y + 0.01 - std::round(y + 0.01)) > 0.05; }, {}, 0.0, 0.0);
 }

@@ -18,7 +18,8 @@ template <class P, class F, class G, class E> double worst(F f, G exact, double 
   double most = 0;
   for (int i = 0; i < 20000; i += P::size) {
     typename P::Scalar x[16], y[16];
-    for (int k = 0; k < P::size; ++k) x[k] = typename P::Scalar(std::uniform_real_distribution<double>(low, high)(random));
+    for (int k = 0; k < P::size; ++k)
+      x[k] = typename P::Scalar(std::uniform_real_distribution<double>(low, high)(random));
     P(f(P::load(x))).store(y);
     for (int k = 0; k < P::size; ++k) most = std::max(most, error(double(y[k]), exact(double(x[k])), double(x[k])));
   }
@@ -51,8 +52,11 @@ TEST_CASE("packets: exp2, log2 and pow lose what their docstrings say", "[ad][va
   CHECK(worst<P16>([](P16 x) { return log2(x); }, [](double x) { return std::log2(x); }, 1e-6, 0.9, relative) <= 4e-7);
   for (const double b : {0.3, 2.2, -1.5, 5.0, 17.0}) {
     CAPTURE(b);
-    const auto error = [&](double y, double exact, double x) { return std::fabs(y / exact - 1) / (1 + std::fabs(b * std::log(x))); };
-    CHECK(worst<P16>([&](P16 x) { return pow(x, float(b)); }, [&](double x) { return std::pow(x, double(float(b))); }, 0.01, 10, error) <= 2.5e-7);
+    const auto error = [&](double y, double exact, double x) {
+      return std::fabs(y / exact - 1) / (1 + std::fabs(b * std::log(x)));
+    };
+    CHECK(worst<P16>([&](P16 x) { return pow(x, float(b)); }, [&](double x) { return std::pow(x, double(float(b))); },
+                     0.01, 10, error) <= 2.5e-7);
   }
 }
 TEST_CASE("packets: sin, cos and tan hold their absolute error", "[ad][value]") {
@@ -70,7 +74,8 @@ TEST_CASE("packets: the inverse and hyperbolic functions hold their absolute err
   CHECK(worst<P16>([](P16 x) { return tanh(x); }, [](double x) { return std::tanh(x); }, -12, 12, relative) <= 5e-7);
   for (const float x : {-3.0f, -0.1f, 0.2f, 5.0f}) {
     CAPTURE(x);
-    CHECK(worst<P16>([&](P16 y) { return atan2(y, x); }, [&](double y) { return std::atan2(y, double(x)); }, -6, 6, absolute) <= 5e-7);
+    CHECK(worst<P16>([&](P16 y) { return atan2(y, x); }, [&](double y) { return std::atan2(y, double(x)); }, -6, 6,
+                     absolute) <= 5e-7);
   }
 }
 TEST_CASE("packets: edges are those of the C library", "[ad][limit]") {
@@ -103,7 +108,8 @@ TEST_CASE("packets: edges are those of the C library", "[ad][limit]") {
   CHECK(at([](auto x) { return atan2(x, -1.0f); }, 0) == Approx(3.1415927f));
 }
 TEST_CASE("packets: floor of every size of number", "[ad][limit]") {
-  for (const float x : {0.0f, -0.5f, 0.5f, -1.0f, 2.999999f, -2.000001f, 8388607.5f, -8388607.5f, 8388609.0f, 1e20f, -1e30f, infinity, -infinity}) {
+  for (const float x : {0.0f, -0.5f, 0.5f, -1.0f, 2.999999f, -2.000001f, 8388607.5f, -8388607.5f, 8388609.0f, 1e20f,
+                        -1e30f, infinity, -infinity}) {
     CAPTURE(x);
     CHECK(at([](auto v) { return floor(v); }, x) == std::floor(x));
   }
@@ -112,7 +118,8 @@ TEST_CASE("packets: floor of every size of number", "[ad][limit]") {
 TEST_CASE("packets: min, max, select and comparisons lane by lane", "[ad][value]") {
   float a[16], b[16];
   for (int i = 0; i < 16; ++i) a[i] = float(i * 7 % 16), b[i] = float(i);
-  const P16 x = P16::load(a), y = P16::load(b), high = max(x, y), low = min(x, y), chosen = select(x < y && !(y > 12.0f), x, -y);
+  const P16 x = P16::load(a), y = P16::load(b), high = max(x, y), low = min(x, y),
+            chosen = select(x < y && !(y > 12.0f), x, -y);
   for (int i = 0; i < 16; ++i) {
     CHECK(high[i] == std::max(a[i], b[i]));
     CHECK(low[i] == std::min(a[i], b[i]));

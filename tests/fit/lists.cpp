@@ -17,14 +17,16 @@ template <class T> struct Gloss {
   vec3<T> tint = {0.4f, 0.3f, 0.6f};
   T sharpness = 4.0f, lift = 0.1f;
   static constexpr auto parameters() {
-    return std::tuple{Param{"tint", &Gloss::tint, unit}, Param{"sharpness", &Gloss::sharpness}, Param{"lift", &Gloss::lift}};
+    return std::tuple{Param{"tint", &Gloss::tint, unit}, Param{"sharpness", &Gloss::sharpness},
+                      Param{"lift", &Gloss::lift}};
   }
 };
 std::vector<Lamp<float>> lamps(int n) {
   std::vector<Lamp<float>> v;
   for (int i = 0; i < n; ++i) {
     const float a = 2.4f * float(i);
-    v.push_back({normalize(vec3<float>{std::cos(a), std::sin(a), 1.2f}), vec3<float>{1.0f, 0.8f, 0.3f + 0.1f * float(i)}});
+    v.push_back(
+        {normalize(vec3<float>{std::cos(a), std::sin(a), 1.2f}), vec3<float>{1.0f, 0.8f, 0.3f + 0.1f * float(i)}});
   }
   return v;
 }
@@ -47,12 +49,15 @@ constexpr auto film_look = [](const auto& p, const auto& at, const auto& list) {
 /// Two loops, the second reads the first one's sum.
 constexpr auto two_loops = [](const auto& p, const auto& at, const auto& list, const auto& others) {
   const auto c = repeat(list, [&](const auto& lamp) { return one_lamp(p, at, at.normal, lamp); });
-  return repeat(others, [&](const auto& lamp) { return c * (p.lift * dot(lamp.radiance, c)) + p.tint * lamp.radiance; });
+  return repeat(others,
+                [&](const auto& lamp) { return c * (p.lift * dot(lamp.radiance, c)) + p.tint * lamp.radiance; });
 };
 /// A parameter, a number of the pixel, a number of the item: none made in the loop.
 constexpr auto same_terms = [](const auto& p, const auto& at, const auto& list) {
   const auto bent = at.uv.x * p.lift;
-  const auto c = repeat(list, [&](const auto& lamp) { return std::remove_cvref_t<decltype(p.tint)>{p.sharpness, bent, lamp.radiance.z}; });
+  const auto c = repeat(list, [&](const auto& lamp) {
+    return std::remove_cvref_t<decltype(p.tint)>{p.sharpness, bent, lamp.radiance.z};
+  });
   return c * c * p.tint;
 };
 constexpr auto array_look = [](const auto& p, const auto& at, const auto& array) {

@@ -27,13 +27,16 @@ template <class T> struct Decal {
   std::array<Layer<T>, 2> more = {{{0.3f, {0.9f, 1.1f}}, {0.2f, {0.4f, 2.1f}}}};
   ImageNode<T> print;
   static constexpr auto parameters() {
-    return std::tuple{Param{"base", &Decal::base, unit}, Param{"rough", &Decal::rough, unit}, Param{"unread", &Decal::unread},
-                      Param{"layer", &Decal::layer},     Param{"more", &Decal::more},         Param{"print", &Decal::print}};
+    return std::tuple{Param{"base", &Decal::base, unit}, Param{"rough", &Decal::rough, unit},
+                      Param{"unread", &Decal::unread},   Param{"layer", &Decal::layer},
+                      Param{"more", &Decal::more},       Param{"print", &Decal::print}};
   }
 };
 template <class T> struct Film {
   T exposure = 1.3f, gamma = 0.6f;
-  static constexpr auto parameters() { return std::tuple{Param{"exposure", &Film::exposure}, Param{"gamma", &Film::gamma}}; }
+  static constexpr auto parameters() {
+    return std::tuple{Param{"exposure", &Film::exposure}, Param{"gamma", &Film::gamma}};
+  }
 };
 /// Nested structs, an array, an operation of one's own, a wide one, an image whose texels are fitted, select, data.
 constexpr auto decal_look = [](const auto& p, const auto& at, const auto& film) {

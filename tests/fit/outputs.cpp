@@ -9,7 +9,9 @@ namespace {
 
 template <class T> struct Pair {
   T a = 0.7f, b = 0.3f, c = 0.9f;
-  static constexpr auto parameters() { return std::tuple{Param{"a", &Pair::a}, Param{"b", &Pair::b}, Param{"c", &Pair::c}}; }
+  static constexpr auto parameters() {
+    return std::tuple{Param{"a", &Pair::a}, Param{"b", &Pair::b}, Param{"c", &Pair::c}};
+  }
 };
 template <class T> struct Spot {
   vec2<T> x;
@@ -35,7 +37,9 @@ constexpr auto error = [](const auto& p, const auto& spot) {
 
 }  // namespace
 
-TEST_CASE("outputs: one number given out three times collects three adjoints", "[fit][agreement]") { agree(patch(50), 2e-5, grey, Pair<float>{}); }
+TEST_CASE("outputs: one number given out three times collects three adjoints", "[fit][agreement]") {
+  agree(patch(50), 2e-5, grey, Pair<float>{});
+}
 TEST_CASE("outputs: parameters and constants may be outputs", "[fit][agreement]") {
   agree(patch(50), 2e-5, plain, Pair<float>{});
   agree(patch(50), 2e-5, twice, Pair<float>{});
@@ -62,7 +66,8 @@ TEST_CASE("sums: the sum and a model for every pixel", "[fit][agreement]") {
       Spot<float> s;
       randomize(p, random), randomize(s, random);
       model.set(i, p), spots.set(i, s);
-      const auto [y, d] = differentiate([&]<class M>(const M& m) { return error(m, lift<detail::scalar_in_t<M>>(s)); }, lift<double>(p));
+      const auto [y, d] = differentiate([&]<class M>(const M& m) { return error(m, lift<detail::scalar_in_t<M>>(s)); },
+                                        lift<double>(p));
       sum += y, slopes.push_back(d);
     }
     const auto same = [&](const std::pair<double, Planes<Pair>>& r) {

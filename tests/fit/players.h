@@ -20,7 +20,9 @@ inline GBuffer patch(int n) {
   for (int i = 0; i < n; ++i) {
     const std::size_t k = std::size_t(i);
     g.pixel[k] = 2 * i + i % 2;
-    const auto put = [&](std::size_t first, const vec3<float>& v) { g.plane[first][k] = v.x, g.plane[first + 1][k] = v.y, g.plane[first + 2][k] = v.z; };
+    const auto put = [&](std::size_t first, const vec3<float>& v) {
+      g.plane[first][k] = v.x, g.plane[first + 1][k] = v.y, g.plane[first + 2][k] = v.z;
+    };
     const vec3<float> normal = normalize(vec3<float>{0.6f * number(), 0.6f * number(), 1.0f});
     put(0, {number(), number(), number()});
     put(3, normal);
@@ -52,8 +54,8 @@ template <class M> bool same_bits(const M& a, const M& b) {
   return same;
 }
 
-/// The derivatives of sum over pixels of dot(look, d_image): by numbers from a tape in double at each pixel, by texels from
-/// differences (fourth order). `size` is the same sum of magnitudes: what rounding is measured by.
+/// The derivatives of sum over pixels of dot(look, d_image): by numbers from a tape in double at each pixel, by texels
+/// from differences (fourth order). `size` is the same sum of magnitudes: what rounding is measured by.
 struct Truth {
   std::vector<double> slope, size;
 };

@@ -28,7 +28,9 @@ namespace {
 template <class T> struct Lamp {
   vec3<T> direction = {0, 0, 1};
   T power = 1;
-  static constexpr auto parameters() { return std::tuple{Param{"direction", &Lamp::direction}, Param{"power", &Lamp::power}}; }
+  static constexpr auto parameters() {
+    return std::tuple{Param{"direction", &Lamp::direction}, Param{"power", &Lamp::power}};
+  }
 };
 template <class T> struct Print {
   ImageNode<T> print;
@@ -37,7 +39,8 @@ template <class T> struct Print {
 };
 constexpr auto look = [](const auto& p, const auto& at, const auto& lamps, const auto& exposure) {
   const auto c = p.print(at.uv) * p.gain;
-  const auto light = repeat(lamps, [&](const auto& lamp) { return max(dot(at.normal, lamp.direction), 0.1f) * lamp.power; });
+  const auto light =
+      repeat(lamps, [&](const auto& lamp) { return max(dot(at.normal, lamp.direction), 0.1f) * lamp.power; });
   return c * (exp(-light * p.gain) * exposure.power);
 };
 template <class F> int allocated(F f) {

@@ -1,14 +1,13 @@
 // burnish/ad/replay.h -- the player for recordings made at run time: one operation after another over a strip of pixels
 // SPDX-License-Identifier: Apache-2.0
 //
-// A value is a strip of floats, or one packet where it is the same for all pixels. Strips are short, so that a whole
-// recording's values stay in the fastest caches; the room of a value is given to another once nothing reads it any more.
-// Multiplications that feed one sum are fused into it, and an adjoint that is merely handed on changes its owner, not its
-// place. What a loop's way back reads of a turn is kept in a frame of its own for every turn.
+// A value is a strip of floats, or one packet where it is the same for all pixels. Strips are short, so that a
+// recording's values stay in the fast caches; the room of a value is given to another once nothing reads it any more.
+// Multiplications that feed one sum are fused into it, and an adjoint that is merely handed on changes its owner, not
+// its place. What a loop's way back reads of a turn is kept in a frame of its own for every turn.
 #pragma once
-#include <cstring>
-#include <burnish/ad/environment.h>
 #include <burnish/ad/plan.h>
+#include <burnish/ad/strip.h>
 
 namespace burnish {
 
@@ -16,138 +15,6 @@ namespace burnish {
 inline constexpr int tile = 256;
 
 namespace detail {
-
-/// Pixels that one operation of the replay does at a time.
-inline constexpr int strip = 128;
-
-/// One operation over a strip. Operands are offsets in floats, multiples of 16; their lowest bits say how they are meant.
-struct Step {
-  static constexpr int inlined = 6;  // so many operands lie here; of longer lists the place in `more`
-  Run* run = nullptr;
-  int at[inlined] = {};
-};
-enum Operand : int {
-  uniform = 1, framed = 2,                                      // values: one packet for all; in the frame of the turn
-  none = 0, assigned = 1, added = 2, summed = 3, absent = 1     // adjoints: summed into one packet; absent: there is none
-};
-constexpr int offset(int at) { return at & ~15; }
-
-/// Operations of few instructions, whose loops over a strip are worth unrolling.
-template <class Op> inline constexpr bool brief = false;
-#define BURNISH_BRIEF(name) template <> inline constexpr bool brief<op::name> = true;
-BURNISH_BRIEF(Add) BURNISH_BRIEF(Sub) BURNISH_BRIEF(Mul) BURNISH_BRIEF(MulAdd) BURNISH_BRIEF(MulSub) BURNISH_BRIEF(SubMul)
-BURNISH_BRIEF(Neg) BURNISH_BRIEF(Max) BURNISH_BRIEF(Min) BURNISH_BRIEF(Abs) BURNISH_BRIEF(Reciprocal) BURNISH_BRIEF(Sqrt)
-BURNISH_BRIEF(Rsqrt) BURNISH_BRIEF(Select) BURNISH_BRIEF(Square) BURNISH_BRIEF(Dot3)
-#undef BURNISH_BRIEF
-
-template <int N> [[gnu::always_inline]] inline const int* operands(const Step& s, const int* more) {
-  if constexpr (N <= Step::inlined) return s.at;
-  else return more + s.at[0];
-}
-/// Operands: inputs, outputs, resource.
-template <class Op> void strip_forward(const Step& s, float* memory, float* frame, const int* more, const Environment& e) {
-  constexpr int in = Op::inputs, out = Op::outputs;
-  const int* const at = operands<in + out + Reads<Op>>(s, more);
-  const float* x_at[in];
-  int stride[in];
-  float* y_at[out];
-  for (int k = 0; k < in; ++k) {
-    x_at[k] = (at[k] & framed ? frame : memory) + offset(at[k]);
-    stride[k] = at[k] & uniform ? 0 : lanes;
-  }
-  for (int k = 0; k < out; ++k) y_at[k] = (at[in + k] & framed ? frame : memory) + offset(at[in + k]);
-  const void* data = nullptr;
-  if constexpr (Reads<Op>) data = e.resources[at[in + out]];
-  const auto packet = [&](int p) __attribute__((always_inline)) {
-    Lanes x[in], y[out];
-    for (int k = 0; k < in; ++k) x[k] = Lanes::load(x_at[k] + p * stride[k]);
-    forward<Op, Lanes>(x, y, data);
-    for (int k = 0; k < out; ++k) y[k].store(y_at[k] + p * lanes);
-  };
-  if constexpr (brief<Op>) {
-#pragma GCC unroll 16
-    for (int p = 0; p < strip / lanes; ++p) packet(p);
-  } else {
-#pragma GCC unroll 1
-    for (int p = 0; p < strip / lanes; ++p) packet(p);
-  }
-}
-/// Operands: inputs, outputs, adjoints of the outputs, adjoints of the inputs, resource, is it fitted. M: the modes, where
-/// they are few enough to be compiled one by one.
-template <class Op, int... M>
-void strip_backward(const Step& s, float* memory, float* frame, const int* more, const Environment& e) {
-  constexpr int in = Op::inputs, out = Op::outputs;
-  [[maybe_unused]] constexpr std::array<int, sizeof...(M) + 1> fixed{M...};
-  const int* const at = operands<2 * in + 2 * out + 2 * Reads<Op>>(s, more);
-  const float *x_at[in], *y_at[out], *d_y_at[out];
-  int stride[in], mode[in];
-  float* d_x_at[in];
-  bool present[out];
-  [[maybe_unused]] Lanes sum[in];
-  for (int k = 0; k < in; ++k) {
-    x_at[k] = (at[k] & framed ? frame : memory) + offset(at[k]);
-    stride[k] = at[k] & uniform ? 0 : lanes;
-    d_x_at[k] = memory + offset(at[in + 2 * out + k]);
-    mode[k] = at[in + 2 * out + k] & 3;
-  }
-  for (int k = 0; k < out; ++k) {
-    y_at[k] = (at[in + k] & framed ? frame : memory) + offset(at[in + k]);
-    d_y_at[k] = memory + offset(at[in + out + k]);
-    present[k] = out == 1 || !(at[in + out + k] & absent);
-  }
-  const void* data = nullptr;
-  Scatter* scatter = nullptr;
-  if constexpr (Reads<Op>) {
-    data = e.resources[at[2 * in + 2 * out]];
-    if (at[2 * in + 2 * out + 1]) scatter = e.scatters + at[2 * in + 2 * out];
-  }
-  const auto packet = [&](int p) __attribute__((always_inline)) {
-    Lanes x[in], y[out], d_x[in], d_y[out];
-    for (int k = 0; k < in; ++k) x[k] = Lanes::load(x_at[k] + p * stride[k]);
-    for (int k = 0; k < out; ++k) {
-      y[k] = Lanes::load(y_at[k] + p * lanes);
-      d_y[k] = present[k] ? Lanes::load(d_y_at[k] + p * lanes) : Lanes(0.0f);
-    }
-    backward<Op, Lanes>(x, y, d_y, d_x, data, scatter);
-    for (int k = 0; k < in; ++k) {
-      const int m = sizeof...(M) ? fixed[std::size_t(k) % fixed.size()] : mode[k];
-      float* const to = d_x_at[k] + p * lanes;
-      if (m == assigned) d_x[k].store(to);
-      else if (m == added) (Lanes::load(to) + d_x[k]).store(to);
-      else if (m == summed) sum[k] += d_x[k];
-    }
-  };
-  if constexpr (sizeof...(M) > 0) {
-#pragma GCC unroll 16
-    for (int p = 0; p < strip / lanes; ++p) packet(p);
-  } else {
-    for (Lanes& x : sum) x = 0.0f;
-#pragma GCC unroll 1
-    for (int p = 0; p < strip / lanes; ++p) packet(p);
-    for (int k = 0; k < in; ++k)
-      if (mode[k] == summed) (Lanes::load(d_x_at[k]) + sum[k]).store(d_x_at[k]);
-  }
-}
-/// The player of a step back whose adjoints go where modes say.
-template <class Op> Run* backward_step(const int* modes) {
-  if constexpr (brief<Op> && Op::inputs == 1) {
-    if (modes[0] == assigned) return strip_backward<Op, assigned>;
-    if (modes[0] == added) return strip_backward<Op, added>;
-  } else if constexpr (brief<Op> && Op::inputs == 2) {
-    switch (modes[0] * 4 + modes[1]) {
-      case 1: return strip_backward<Op, none, assigned>;
-      case 2: return strip_backward<Op, none, added>;
-      case 4: return strip_backward<Op, assigned, none>;
-      case 5: return strip_backward<Op, assigned, assigned>;
-      case 6: return strip_backward<Op, assigned, added>;
-      case 8: return strip_backward<Op, added, none>;
-      case 9: return strip_backward<Op, added, assigned>;
-      case 10: return strip_backward<Op, added, added>;
-      default: break;
-    }
-  }
-  return strip_backward<Op>;
-}
 
 /// Products that only one sum or difference reads become one operation with it; three in a sum, a dot product.
 inline void fuse(Recording& r) {
@@ -198,7 +65,8 @@ public:
   };
 
   /// image: the outputs are wanted; gradient: their adjoints go back.
-  Replay(Recording recording, bool image, bool gradient) : r(std::move(recording)), with_image(image), with_gradient(gradient) {
+  Replay(Recording recording, bool image, bool gradient)
+      : r(std::move(recording)), with_image(image), with_gradient(gradient) {
     detail::fuse(r);
     duty.resize(r.nodes.size());
     const bool kept = gradient && best_turns(r, duty, image) == Turns::kept;
@@ -234,7 +102,9 @@ public:
     for (int i = 0; i < size(); ++i) {
       const Node& x = node(i);
       if (x.varying || x.kind == Kind::operation || x.kind == Kind::output || value_at[at(i)] < 0) continue;
-      const float value = x.kind == Kind::parameter ? e.parameters[x.index] : x.kind == Kind::data ? e.data[x.index] : x.value;
+      const float value = x.kind == Kind::parameter ? e.parameters[x.index]
+                          : x.kind == Kind::data    ? e.data[x.index]
+                                                    : x.value;
       Lanes(value).store(place(s, i));
     }
     for (const int i : once) {
@@ -258,7 +128,8 @@ public:
         out[k] = Lanes::load(place(s, i + k));
         d_out[k] = adjoint_at[at(i + k)] >= 0 ? Lanes::load(s.m + adjoint_at[at(i + k)]) : Lanes(0.0f);
       }
-      x.op->backward(in, out, d_out, d_in, x.op->reads ? e.resources[x.index] : nullptr, x.scatters ? e.scatters + x.index : nullptr);
+      x.op->backward(in, out, d_out, d_in, x.op->reads ? e.resources[x.index] : nullptr,
+                     x.scatters ? e.scatters + x.index : nullptr);
       for (int k = 0; k < x.op->inputs; ++k) {
         if (!duty[at(i)].mode[at(k)]) continue;
         float* const to = s.m + adjoint_at[at(x.in[at(k)])];
@@ -469,7 +340,8 @@ private:
       for (const int i : dies[t]) free.push_back(value_at[at(i)]);
     }
     for (int i = 0; i < size(); ++i)
-      if (node(i).kind == Kind::pixel && node(i).active && duty[at(i)].adjoint) plane_moves.push_back({adjoint_at[at(i)], node(i).index, 0});
+      if (node(i).kind == Kind::pixel && node(i).active && duty[at(i)].adjoint)
+        plane_moves.push_back({adjoint_at[at(i)], node(i).index, 0});
   }
   void write(const Task& t) {
     if (t.what == Task::start)
@@ -558,7 +430,8 @@ private:
       if (p == q) back_step(b, &info<op::Square>, {operand(p), operand(i)}, d_y, {d_x[k]});
       else back_step(b, &info<op::Mul>, {operand(p), operand(q), operand(i)}, d_y, {d_x[k], d_x[k + 1]});
     }
-    if (x.op == &info<op::MulAdd>) back_step(b, &info<op::Add>, {operand(x.in[2]), 0, operand(i)}, d_y, {d_x[2], detail::none});
+    if (x.op == &info<op::MulAdd>)
+      back_step(b, &info<op::Add>, {operand(x.in[2]), 0, operand(i)}, d_y, {d_x[2], detail::none});
     if (!products) {
       std::vector<int> o;
       for (int k = 0; k < x.op->inputs; ++k) o.push_back(operand(x.in[at(k)]));
@@ -571,8 +444,8 @@ private:
         adjoint_at[at(i + k)] = -1;
       }
   }
-  void back_step(Block& b, const Info* op, std::vector<int> o, const std::vector<int>& d_y, const std::vector<int>& d_x, int resource = 0,
-                 bool scatters = false) {
+  void back_step(Block& b, const Info* op, std::vector<int> o, const std::vector<int>& d_y, const std::vector<int>& d_x,
+                 int resource = 0, bool scatters = false) {
     bool work = scatters;
     int modes[detail::max_inputs] = {};
     for (std::size_t k = 0; k < d_x.size(); ++k) modes[k] = d_x[k] & 3, work |= modes[k] != detail::none;
@@ -588,7 +461,8 @@ private:
     for (int k = 0; k < detail::strip; k += lanes, from += stride) Lanes::load(from).store(to + k);
   }
   static void add(float* to, const float* from, int stride = lanes) {
-    for (int k = 0; k < detail::strip; k += lanes, from += stride) (Lanes::load(to + k) + Lanes::load(from)).store(to + k);
+    for (int k = 0; k < detail::strip; k += lanes, from += stride)
+      (Lanes::load(to + k) + Lanes::load(from)).store(to + k);
   }
   static void zero(float* to) {
     for (int k = 0; k < detail::strip; k += lanes) Lanes(0.0f).store(to + k);
@@ -616,7 +490,8 @@ private:
       for (int t = 0, count = e.lists[r.loops[at(b.loop)].list].count; t < count; ++t, turn += frame[at(b.loop)]) {
         take_items(b, m, e, t);
         run(b.steps.data(), b.steps.data() + b.steps.size(), m, turn, e);
-        for (const auto& f : b.sums) add(m + f.to, (f.from & detail::framed ? turn : m) + detail::offset(f.from), stride(f.from));
+        for (const auto& f : b.sums)
+          add(m + f.to, (f.from & detail::framed ? turn : m) + detail::offset(f.from), stride(f.from));
       }
     }
     if (with_image)
