@@ -6,6 +6,7 @@
 #include <burnish/nodes/image.h>
 #include <burnish/shade/brdf.h>
 #include <burnish_test.h>
+#include <cstring>
 #include "sphere.h"
 
 using namespace burnish;
