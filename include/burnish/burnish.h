@@ -12,6 +12,7 @@
 #include <burnish/ad/model.h>
 #include <burnish/ad/number.h>
 #include <burnish/ad/operation.h>
+#include <burnish/ad/operations.h>
 #include <burnish/ad/packet.h>
 #include <burnish/ad/parallel.h>
 #include <burnish/ad/plan.h>
@@ -56,7 +57,9 @@
 #include <burnish/light/transport.h>
 #include <burnish/fit/adam.h>
 #include <burnish/fit/fit.h>
+#include <burnish/fit/look.h>
 #include <burnish/fit/loss.h>
 #include <burnish/fit/planes.h>
+#include <burnish/fit/play.h>
 #include <burnish/fit/render.h>
 #include <burnish/version.h>
