@@ -22,7 +22,9 @@ template <class T> struct Paint {
 };
 template <class T> struct Pixel {
   vec3<T> view, target;
-  static constexpr auto parameters() { return std::tuple{Param{"view", &Pixel::view}, Param{"target", &Pixel::target}}; }
+  static constexpr auto parameters() {
+    return std::tuple{Param{"view", &Pixel::view}, Param{"target", &Pixel::target}};
+  }
 };
 template <class T> struct Light {
   vec3<T> direction, radiance;  // direction: unit, to the light
@@ -32,7 +34,8 @@ template <class T> struct Light {
 };
 
 /// f_r * nl * radiance of one light.
-template <class T> constexpr vec3<T> reflected(const Paint<T>& p, const vec3<T>& n, const vec3<T>& v, const Light<T>& light) {
+template <class T>
+constexpr vec3<T> reflected(const Paint<T>& p, const vec3<T>& n, const vec3<T>& v, const Light<T>& light) {
   const vec3<T> l = light.direction, h = normalize(v + l), white(T(1.0f));
   const T nl = max(dot(n, l), 0), nv = max(dot(n, v), 1e-4f), nh = max(dot(n, h), 0), vh = max(dot(v, h), 0);
   const T a2 = p.roughness * p.roughness * p.roughness * p.roughness, b2 = 1.0f - a2, k = 1.0f - nh * nh * b2;
@@ -50,7 +53,8 @@ template <class T> constexpr T squared_error(const vec3<T>& color, const vec3<T>
 /// With a list of any length: one loop node.
 inline constexpr auto loss_over_list = [](const auto& paint, const auto& pixel, const auto& lights) {
   const auto n = normalize(paint.normal);
-  return squared_error(repeat(lights, [&](const auto& light) { return reflected(paint, n, pixel.view, light); }), pixel.target);
+  return squared_error(repeat(lights, [&](const auto& light) { return reflected(paint, n, pixel.view, light); }),
+                       pixel.target);
 };
 /// With an array: unrolled.
 inline constexpr auto loss_over_array = [](const auto& paint, const auto& pixel, const auto& lights) {
@@ -62,8 +66,9 @@ inline constexpr auto loss_over_array = [](const auto& paint, const auto& pixel,
 
 /// The adjoint by hand, for any T that is float-like: writes the 8 derivatives and gives the loss.
 /// in: base colour, roughness, metalness, normal. Lights as {direction, radiance}.
-template <class T, int MaxLights>
-[[gnu::always_inline]] inline T by_hand(const T* in, const vec3<T>& v, const vec3<T>& target, const Light<float>* lights, int count, T* g) {
+template <class T, int MaxLights> [[gnu::always_inline]] inline T by_hand(const T* in, const vec3<T>& v,
+                                                                          const vec3<T>& target,
+                                                                          const Light<float>* lights, int count, T* g) {
   struct Saved {
     T nl, nh, inverse_k, gl, dg, vis, d, curve, rest, hx, hy, hz;
   };
@@ -162,15 +167,20 @@ struct Scene {
       vec3<float> d;
       do d = {2 * random() - 1, 2 * random() - 1, 1.6f * random() - 0.3f};
       while (dot(d, d) > 1 || dot(d, d) < 0.01f);
-      lights.push_back({normalize(d), vec3<float>{0.3f + 1.2f * random(), 0.3f + 1.2f * random(), 0.3f + 1.2f * random()} * (8.0f / float(count))});
+      lights.push_back(
+          {normalize(d), vec3<float>{0.3f + 1.2f * random(), 0.3f + 1.2f * random(), 0.3f + 1.2f * random()} *
+                             (8.0f / float(count))});
     }
     for (int i = 0; i < width * height; ++i) {
-      const float u = (float(i % width) + 0.5f) / float(width) * 2 - 1, w = (float(i / width) + 0.5f) / float(height) * 2 - 1;
+      const float u = (float(i % width) + 0.5f) / float(width) * 2 - 1,
+                  w = (float(i / width) + 0.5f) / float(height) * 2 - 1;
       const vec3<float> v = normalize(vec3<float>{-0.5f * u, -0.5f * w, 1.0f});
       const float s = 0.8f + 0.5f * random();
       const vec3<float> tilt{random() - 0.5f, random() - 0.5f, 0.4f * (random() - 0.5f)};
-      paint.set(i, {{0.05f + 0.9f * random(), 0.05f + 0.9f * random(), 0.05f + 0.9f * random()}, 0.25f + 0.74f * random(),
-                    0.02f + 0.96f * random(), (v + tilt) * s});
+      paint.set(i, {{0.05f + 0.9f * random(), 0.05f + 0.9f * random(), 0.05f + 0.9f * random()},
+                    0.25f + 0.74f * random(),
+                    0.02f + 0.96f * random(),
+                    (v + tilt) * s});
       pixels.set(i, {v, {2 * random(), 2 * random(), 2 * random()}});
     }
   }

@@ -26,7 +26,7 @@ inline std::string digits(double x, int count) {
 /// The worst parameter found.
 struct GradientCheck {
   Verdict verdict = Verdict::right;
-  double error = 0;          ///< |slope - difference| / scale; scale is the larger of the two, or 1 % of the largest slope
+  double error = 0;  ///< |slope - difference| / scale; scale is the larger of the two, or 1 % of the largest slope
   std::string parameter;     ///< its name; arguments are numbered: "0.base_color.x"
   double slope = 0, difference = 0, uncertainty = 0;  ///< uncertainty of the difference, in units of scale
   std::string point;         ///< all parameters at the point, "name = value"
@@ -55,11 +55,13 @@ template <class F> Difference difference(F f, double x, double step) {
     const double above = f(up), below = f(down);
     table[i][0] = (above - below) / (up - down);
     bend[i] = std::fabs((above - here) / (up - x) - (here - below) / (x - down));
-    const double rounding = std::numeric_limits<double>::epsilon() * std::max(std::fabs(above), std::fabs(below)) / step;
+    const double rounding =
+        std::numeric_limits<double>::epsilon() * std::max(std::fabs(above), std::fabs(below)) / step;
     double power = 4;
     for (int j = 1; j <= i; ++j, power *= 4) {
       table[i][j] = table[i][j - 1] + (table[i][j - 1] - table[i - 1][j - 1]) / (power - 1);
-      const double e = std::max({std::fabs(table[i][j] - table[i][j - 1]), std::fabs(table[i][j] - table[i - 1][j - 1]), rounding});
+      const double e =
+          std::max({std::fabs(table[i][j] - table[i][j - 1]), std::fabs(table[i][j] - table[i - 1][j - 1]), rounding});
       if (e < spread) {
         spread = e;
         best = table[i][j];
@@ -67,7 +69,8 @@ template <class F> Difference difference(F f, double x, double step) {
     }
   }
   // Left and right slopes of a smooth function approach each other as the step does zero; at a kink they keep their distance.
-  if (bend[levels - 1] > 0.5 * bend[0] && bend[levels - 1] > 1e-6 * std::fabs(best)) spread = std::max(spread, bend[levels - 1]);
+  if (bend[levels - 1] > 0.5 * bend[0] && bend[levels - 1] > 1e-6 * std::fabs(best))
+    spread = std::max(spread, bend[levels - 1]);
   return {best, spread};
 }
 }  // namespace detail
@@ -110,12 +113,15 @@ template <class F, class... Args> GradientCheck check_gradient(F&& f, const Chec
     // Where f is level, slope and difference are both nothing but rounding.
     const double nothing = 1e-9 * std::max(f0, 1e-3);
     const bool level = std::fabs(slopes[i]) <= nothing && std::fabs(numeric.slope) <= nothing + numeric.uncertainty;
-    Verdict v = error <= how.tolerance || level ? Verdict::right : doubt <= how.tolerance ? Verdict::wrong : Verdict::undecided;
+    Verdict v = error <= how.tolerance || level ? Verdict::right
+                : doubt <= how.tolerance        ? Verdict::wrong
+                                                : Verdict::undecided;
     if (!std::isfinite(slopes[i])) v = Verdict::wrong;
     ++worst.checked;
     worst.undecided += v == Verdict::undecided;
     const auto badness = [](Verdict w) { return w == Verdict::wrong ? 2 : w == Verdict::undecided ? 1 : 0; };
-    if (worst.parameter.empty() || badness(v) > badness(worst.verdict) || (v == worst.verdict && !(error <= worst.error))) {
+    if (worst.parameter.empty() || badness(v) > badness(worst.verdict) ||
+        (v == worst.verdict && !(error <= worst.error))) {
       worst.verdict = v;
       worst.error = error;
       worst.parameter = names[i];
@@ -129,7 +135,8 @@ template <class F, class... Args> GradientCheck check_gradient(F&& f, const Chec
   return worst;
 }
 template <class F, class First, class... Rest>
-GradientCheck check_gradient(F&& f, const First& first, const Rest&... rest) requires(!std::is_same_v<First, Checking>) {
+GradientCheck check_gradient(F&& f, const First& first,
+                             const Rest&... rest) requires(!std::is_same_v<First, Checking>) {
   return check_gradient(f, Checking{}, first, rest...);
 }
 
@@ -138,7 +145,8 @@ GradientCheck check_gradient(F&& f, const First& first, const Rest&... rest) req
 template <class P, class Random> void randomize(P& p, Random& random, double margin = 0.01) {
   for_each_parameter(p, [&]<class X>(const std::string&, X& x, Range range) {
     if constexpr (Plain<X>) {
-      const double low = range.low <= anything.low ? -2 : range.low, high = range.high >= anything.high ? 2 : range.high;
+      const double low = range.low <= anything.low ? -2 : range.low,
+                   high = range.high >= anything.high ? 2 : range.high;
       const double pad = margin * (high - low);
       const double part = double(random() - Random::min()) / double(Random::max() - Random::min());
       x = X(low + pad + (high - low - 2 * pad) * part);

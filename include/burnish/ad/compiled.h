@@ -55,7 +55,8 @@ template <class Source, bool Image, bool Gradient> struct Compiled {
       } else if (x.kind == Kind::pixel) {
         if (d.forward) p.fields.add(i);
         if (Gradient && x.active && d.adjoint) p.planes.add(i);
-      } else if ((operation && forward) || (x.kind == Kind::sum && R.loops[std::size_t(x.loop)].first_sum == i)) p.forth.add(i);
+      } else if ((operation && forward) || (x.kind == Kind::sum && R.loops[std::size_t(x.loop)].first_sum == i))
+        p.forth.add(i);
       if (d.clear) p.clear[std::size_t(d.clear - 1)].add(i);
     }
     for (int i = N - 1; Gradient && i >= 0; --i) {
@@ -91,7 +92,8 @@ template <class Source, bool Image, bool Gradient> struct Compiled {
     run<BackUniform, &Plan::last>(t);
   }
   /// Sixteen pixels. image: where the outputs go (unless Image is false); d_image: their adjoints (with Gradient).
-  [[gnu::noinline]] static void packet(Uniform& s, const Environment& e, int pixel, [[maybe_unused]] float* const* image,
+  [[gnu::noinline]] static void packet(Uniform& s, const Environment& e, int pixel,
+                                       [[maybe_unused]] float* const* image,
                                        [[maybe_unused]] const float* const* d_image) {
     Lanes v[N], d[N];
     const State t{v, d, s.u, e, pixel};
@@ -116,11 +118,13 @@ private:
   };
   // In blocks, because clang folds at most 256 operands and g++ grows slow on long ones.
   template <class Do, auto Member, int L, int From, int... I>
-  [[gnu::always_inline]] static inline void block(const State& s, [[maybe_unused]] int turn, std::integer_sequence<int, I...>) {
+  [[gnu::always_inline]] static inline void block(const State& s, [[maybe_unused]] int turn,
+                                                  std::integer_sequence<int, I...>) {
     if constexpr (L < 0) (Do::template run<(plan.*Member).node[From + I]>(s), ...);
     else (Do::template run<(plan.*Member)[std::size_t(L)].node[From + I]>(s, turn), ...);
   }
-  template <class Do, auto Member, int L = -1, int From = 0> [[gnu::always_inline]] static inline void run(const State& s, int turn = 0) {
+  template <class Do, auto Member, int L = -1, int From = 0>
+  [[gnu::always_inline]] static inline void run(const State& s, int turn = 0) {
     constexpr int size = [] {
       if constexpr (L < 0) return (plan.*Member).size;
       else return (plan.*Member)[std::size_t(L)].size;
@@ -136,7 +140,8 @@ private:
     else if constexpr (R.nodes[I].varying) return s.v[I];
     else return s.u[I];
   }
-  template <int I, int... K> [[gnu::always_inline]] static inline void inputs(const State& s, Lanes* in, std::integer_sequence<int, K...>) {
+  template <int I, int... K>
+  [[gnu::always_inline]] static inline void inputs(const State& s, Lanes* in, std::integer_sequence<int, K...>) {
     ((in[K] = get<R.nodes[I].in[K]>(s)), ...);
   }
   template <auto F, class... A> [[gnu::always_inline]] static inline void call(A... a) { F(a...); }
@@ -162,7 +167,8 @@ private:
       else {
         Lanes in[op->inputs], out[op->outputs];
         Compiled::template inputs<I>(s, in, std::make_integer_sequence<int, op->inputs>{});
-        call<op->forward>(static_cast<const Lanes*>(in), static_cast<Lanes*>(out), op->reads ? s.e.resources[R.nodes[I].index] : nullptr);
+        call<op->forward>(static_cast<const Lanes*>(in), static_cast<Lanes*>(out),
+                          op->reads ? s.e.resources[R.nodes[I].index] : nullptr);
         for (int k = 0; k < op->outputs; ++k) s.v[I + k] = out[k];
       }
     }
@@ -185,10 +191,13 @@ private:
     if constexpr (M == 1) d = x;
     else if constexpr (M == 2) d += x;
   }
-  template <int I, int... K> [[gnu::always_inline]] static inline void give_all(const State& s, const Lanes* d_in, std::integer_sequence<int, K...>) {
+  template <int I, int... K> [[gnu::always_inline]] static inline void give_all(const State& s, const Lanes* d_in,
+                                                                                std::integer_sequence<int, K...>) {
     (give<plan.duty[I].mode[K]>(s.d[R.nodes[I].in[K]], d_in[K]), ...);
   }
-  template <int I, int... K> [[gnu::always_inline]] static inline void outgoing(const State& s, Lanes* out, Lanes* d_out, std::integer_sequence<int, K...>) {
+  template <int I, int... K> [[gnu::always_inline]] static inline void outgoing(const State& s, Lanes* out,
+                                                                                Lanes* d_out,
+                                                                                std::integer_sequence<int, K...>) {
     ((out[K] = (R.nodes[I].varying ? s.v : s.u)[I + K]), ...);
     ((d_out[K] = plan.duty[I + K].adjoint ? s.d[I + K] : Lanes(0.0f)), ...);
   }
@@ -200,8 +209,9 @@ private:
         Lanes in[op->inputs], out[op->outputs], d_in[op->inputs], d_out[op->outputs];
         Compiled::template inputs<I>(s, in, std::make_integer_sequence<int, op->inputs>{});
         Compiled::template outgoing<I>(s, out, d_out, std::make_integer_sequence<int, op->outputs>{});
-        call<op->backward>(static_cast<const Lanes*>(in), static_cast<const Lanes*>(out), static_cast<const Lanes*>(d_out),
-                           static_cast<Lanes*>(d_in), op->reads ? s.e.resources[R.nodes[I].index] : nullptr,
+        call<op->backward>(static_cast<const Lanes*>(in), static_cast<const Lanes*>(out),
+                           static_cast<const Lanes*>(d_out), static_cast<Lanes*>(d_in),
+                           op->reads ? s.e.resources[R.nodes[I].index] : nullptr,
                            R.nodes[I].scatters ? s.e.scatters + R.nodes[I].index : nullptr);
         Compiled::template give_all<I>(s, d_in, std::make_integer_sequence<int, op->inputs>{});
       }
@@ -216,13 +226,15 @@ private:
       return false;
     }();
   }
-  template <int L, int... K> [[gnu::always_inline]] static inline void clear_sums(const State& s, std::integer_sequence<int, K...>) {
+  template <int L, int... K>
+  [[gnu::always_inline]] static inline void clear_sums(const State& s, std::integer_sequence<int, K...>) {
     ((s.v[R.loops[L].first_sum + K] = Lanes(0.0f)), ...);
   }
   template <int I> [[gnu::always_inline]] static inline void add_term(const State& s) {
     if constexpr (plan.duty[I].forward) s.v[I] += get<R.nodes[I].in[0]>(s);
   }
-  template <int L, int... K> [[gnu::always_inline]] static inline void add_terms(const State& s, std::integer_sequence<int, K...>) {
+  template <int L, int... K>
+  [[gnu::always_inline]] static inline void add_terms(const State& s, std::integer_sequence<int, K...>) {
     (add_term<R.loops[L].first_sum + K>(s), ...);
   }
   template <int L> [[gnu::always_inline]] static inline void loop_forth(const State& s) {
@@ -238,8 +250,11 @@ private:
       }
     }
   }
-  template <int L, int... K> [[gnu::always_inline]] static inline void give_terms(const State& s, std::integer_sequence<int, K...>) {
-    (give<plan.duty[R.loops[L].first_sum + K].mode[0]>(s.d[R.nodes[R.loops[L].first_sum + K].in[0]], s.d[R.loops[L].first_sum + K]), ...);
+  template <int L, int... K>
+  [[gnu::always_inline]] static inline void give_terms(const State& s, std::integer_sequence<int, K...>) {
+    (give<plan.duty[R.loops[L].first_sum + K].mode[0]>(s.d[R.nodes[R.loops[L].first_sum + K].in[0]],
+                                                       s.d[R.loops[L].first_sum + K]),
+     ...);
   }
   template <int L> [[gnu::always_inline]] static inline void loop_back(const State& s) {
     run<Zero, &Plan::clear, L>(s, 0);
@@ -252,7 +267,8 @@ private:
       run<Back, &Plan::body_back, L>(s, t);
     }
   }
-  template <int... C> [[gnu::always_inline]] static inline void store_outputs(const State& s, float* const* image, std::integer_sequence<int, C...>) {
+  template <int... C> [[gnu::always_inline]] static inline void store_outputs(const State& s, float* const* image,
+                                                                              std::integer_sequence<int, C...>) {
     (get<R.outputs[C]>(s).store(image[C] + s.pixel), ...);
   }
   /// A node may be several outputs; what is the same for all pixels was set to zero before.
@@ -264,10 +280,13 @@ private:
     }();
     give<first ? 1 : 2>(s.d[R.outputs[C]], Lanes::load(from));
   }
-  template <int... C> [[gnu::always_inline]] static inline void load_outputs(const State& s, const float* const* d_image, std::integer_sequence<int, C...>) {
+  template <int... C> [[gnu::always_inline]] static inline void load_outputs(const State& s,
+                                                                             const float* const* d_image,
+                                                                             std::integer_sequence<int, C...>) {
     (load_output<C>(s, d_image[C] + s.pixel), ...);
   }
-  template <int... K> [[gnu::always_inline]] static inline void accumulate(const State& s, Uniform& uniform, std::integer_sequence<int, K...>) {
+  template <int... K> [[gnu::always_inline]] static inline void accumulate(const State& s, Uniform& uniform,
+                                                                           std::integer_sequence<int, K...>) {
     ((uniform.d_u[plan.accumulate.node[K]] += s.d[plan.accumulate.node[K]]), ...);
   }
 };

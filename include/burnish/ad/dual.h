@@ -26,7 +26,8 @@ template <class T, int N> struct Dual : detail::Elementary<Dual<T, N>> {
   template <class Op, std::size_t K> static constexpr std::array<Dual, Op::outputs> play(const std::array<Dual, K>& x) {
     return carried<Op>(x, nullptr);
   }
-  template <class Op, class D, std::size_t K> static constexpr std::array<Dual, Op::outputs> read(const D& data, const std::array<Dual, K>& x) {
+  template <class Op, class D, std::size_t K>
+  static constexpr std::array<Dual, Op::outputs> read(const D& data, const std::array<Dual, K>& x) {
     return carried<Op>(x, static_cast<const typename Op::Data*>(&data));
   }
 

@@ -123,7 +123,8 @@ template <std::size_t I, class F, class A, class... B> constexpr void each_membe
     each_leaf(f, a.*p.member, b.*(std::get<I>(std::remove_cv_t<B>::parameters()).member)...);
 }
 template <std::size_t I, class A, class B> constexpr void copy_fixed_member(A& a, const B& b);
-template <class A, class B, std::size_t... I> constexpr void copy_fixed_in(std::index_sequence<I...>, A& a, const B& b) {
+template <class A, class B, std::size_t... I>
+constexpr void copy_fixed_in(std::index_sequence<I...>, A& a, const B& b) {
   (copy_fixed_member<I>(a, b), ...);
 }
 template <class A, class B> constexpr void copy_fixed(A& a, const B& b) {

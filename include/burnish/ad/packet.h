@@ -7,7 +7,8 @@
 // call the C library lane by lane.
 #pragma once
 #include <burnish/ad/number.h>
-#pragma GCC diagnostic ignored "-Wpsabi"  // packets are passed by value, in memory where the machine has no such register
+#pragma GCC diagnostic ignored \
+    "-Wpsabi"  // packets are passed by value, in memory where the machine has no such register
 
 // g++ fuses a product into the sum that follows it wherever it may; clang only if asked here.
 #if defined(__clang__)

@@ -115,7 +115,8 @@ constexpr int make_plan(const R& r, A& p, bool gradient, Turns turns = Turns::ag
     closure([](int) { return false; });
     return 0;
   }
-  std::vector<char> wanted(r.nodes.size(), char(0)), keep(r.nodes.size(), char(0));  // not bool: its vector is no constant expression in every library
+  std::vector<char> wanted(r.nodes.size(), char(0)),
+      keep(r.nodes.size(), char(0));  // not bool: its vector is no constant expression in every library
   for (int i = 0; i < n; ++i) wanted[std::size_t(i)] = duty(i).turn;
   std::vector<char> reached = wanted;
   for (int i = n - 1; i >= 0; --i)

@@ -8,6 +8,7 @@
 #include <bit>
 #include <stdexcept>
 #include <burnish/ad/model.h>
+#include <burnish/ad/strip.h>
 
 namespace burnish {
 
@@ -152,10 +153,14 @@ struct Recorded : detail::Elementary<Recorded> {
     if constexpr (std::is_same_v<Op, op::Mul>)
       return a.is(1) ? (y = b, true) : b.is(1) ? (y = a, true) : a.is(0) || b.is(0) ? (y = R(0.0f), true) : false;
     if constexpr (std::is_same_v<Op, op::Div>)
-      return y = b.id < 0 ? a * R(1 / b.constant) : a.is(0) ? R(0.0f) : a * R::template play<op::Reciprocal>(std::array<R, 1>{b})[0], true;
+      return y = b.id < 0  ? a * R(1 / b.constant)
+                 : a.is(0) ? R(0.0f)
+                           : a * R::template play<op::Reciprocal>(std::array<R, 1>{b})[0],
+             true;
     return false;
   }
-  template <class Op, std::size_t N> static constexpr std::array<Recorded, Op::outputs> play(const std::array<Recorded, N>& x) {
+  template <class Op, std::size_t N>
+  static constexpr std::array<Recorded, Op::outputs> play(const std::array<Recorded, N>& x) {
     if constexpr (detail::Arithmetic<Op>)
       if (Recorded y; folded<Op>(x, y)) return {y};
     Recording* r = nullptr;
@@ -164,7 +169,8 @@ struct Recorded : detail::Elementary<Recorded> {
     return written<Op>(r, x, 0);
   }
   template <class Op, std::size_t N>
-  static constexpr std::array<Recorded, Op::outputs> written(Recording* r, const std::array<Recorded, N>& x, int resource) {
+  static constexpr std::array<Recorded, Op::outputs> written(Recording* r, const std::array<Recorded, N>& x,
+                                                             int resource) {
     if (!r) throw std::logic_error("burnish: an operation of its own on constants only; compute it with floats");
     std::array<int, N> in{};
     for (std::size_t k = 0; k < N; ++k) in[k] = x[k].node(r);
@@ -173,7 +179,6 @@ struct Recorded : detail::Elementary<Recorded> {
     for (int k = 0; k < Op::outputs; ++k) y[std::size_t(k)] = Recorded(r, id + k);
     return y;
   }
-
 };
 
 /// A condition: 1 or 0.
@@ -183,12 +188,15 @@ struct Recorded::Mask {
   friend constexpr Mask operator||(const Mask& a, const Mask& b) { return !(!a && !b); }
   friend constexpr Mask operator!(const Mask& a) { return {Recorded(1.0f) - a.is}; }
   template <class B> requires std::is_same_v<B, bool> explicit constexpr operator B() const {
-    static_assert(!std::is_same_v<B, bool>,
-                  "burnish: `if`, `?:` or a loop depends on a number; write select(condition, a, b), min, max or clamp");
+    static_assert(
+        !std::is_same_v<B, bool>,
+        "burnish: `if`, `?:` or a loop depends on a number; write select(condition, a, b), min, max or clamp");
     return false;
   }
 };
-constexpr Recorded::Mask Recorded::less(const Recorded& a, const Recorded& b) { return {play<op::Less>(std::array{a, b})[0]}; }
+constexpr Recorded::Mask Recorded::less(const Recorded& a, const Recorded& b) {
+  return {play<op::Less>(std::array{a, b})[0]};
+}
 constexpr Recorded select(const Recorded::Mask& m, const Recorded& a, const Recorded& b) {
   if (m.is.id < 0) return m.is.constant > 0.5f ? a : b;
   return Recorded::play<op::Select>(std::array{m.is, a, b})[0];

@@ -29,7 +29,8 @@ template <template <class> class Item, class T, class F> constexpr auto repeat(c
                 "burnish: the items of a list hold numbers only; what is Fixed in them no recording can know");
   if constexpr (std::is_same_v<T, Recorded>) {
     Recording& r = *list.recording;
-    if (r.open >= 0) throw std::logic_error("burnish: repeat inside repeat is not recorded; flatten the two lists into one");
+    if (r.open >= 0)
+      throw std::logic_error("burnish: repeat inside repeat is not recorded; flatten the two lists into one");
     Loop loop;
     loop.list = list.index;
     loop.begin = int(r.nodes.size());

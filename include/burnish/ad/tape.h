@@ -62,12 +62,14 @@ template <class S = double> struct Var : detail::Elementary<Var<S>> {
   template <class Op, std::size_t N> static std::array<Var, Op::outputs> play(const std::array<Var, N>& x) {
     return taped<Op>(x, nullptr);
   }
-  template <class Op, class D, std::size_t N> static std::array<Var, Op::outputs> read(const D& data, const std::array<Var, N>& x) {
+  template <class Op, class D, std::size_t N>
+  static std::array<Var, Op::outputs> read(const D& data, const std::array<Var, N>& x) {
     return taped<Op>(x, static_cast<const typename Op::Data*>(&data));
   }
 
 private:
-  template <class Op, std::size_t N> static std::array<Var, Op::outputs> taped(const std::array<Var, N>& x, const void* data) {
+  template <class Op, std::size_t N>
+  static std::array<Var, Op::outputs> taped(const std::array<Var, N>& x, const void* data) {
     S in[N], y[Op::outputs], d_x[N];
     Tape<S>* tape = nullptr;
     for (std::size_t k = 0; k < N; ++k) {

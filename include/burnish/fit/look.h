@@ -12,7 +12,9 @@ template <class Look, class... Data> struct With {
   Look look;
   std::tuple<const Data&...> data;
 };
-template <class Look, class... Data> With<Look, Data...> with(const Look& look, const Data&... data) { return {look, {data...}}; }
+template <class Look, class... Data> With<Look, Data...> with(const Look& look, const Data&... data) {
+  return {look, {data...}};
+}
 
 namespace detail {
 
@@ -38,7 +40,8 @@ template <template <class> class Item, class T> inline constexpr bool is_list<Li
 /// The recording of look(model, at, data...). M: the plain model of one pixel; Maps: it differs from pixel to pixel. What
 /// is Fixed in model and data is taken from `plain` and `given`; where they are null, it is as a new struct has it.
 template <class M, template <class> class At, bool Maps, class Look, class... Data>
-constexpr Recording record(const Look& look, const M* plain = nullptr, const std::tuple<const Data&...>* given = nullptr) {
+constexpr Recording record(const Look& look, const M* plain = nullptr,
+                           const std::tuple<const Data&...>* given = nullptr) {
   Recording r;
   const auto name = [&](Kind kind, int& count, bool active) {
     return [&r, &count, kind, active]<class X>(X& x) {
@@ -80,7 +83,8 @@ template <class M, template <class> class At, bool Maps, class Look, class... Da
   const Recording r = record<M, At, Maps, Look, Data...>(Look{});
   Held h;
   if (r.nodes.size() > h.nodes.size() || r.loops.size() > 16 || r.outputs.size() > 16)
-    throw std::length_error("burnish: this look has more than 2048 operations once its loops over arrays are unrolled; use repeat");
+    throw std::length_error(
+        "burnish: this look has more than 2048 operations once its loops over arrays are unrolled; use repeat");
   for (const Node& n : r.nodes) h.nodes[std::size_t(h.size++)] = n;
   for (const Loop& l : r.loops) h.loops[std::size_t(h.loop_count++)] = l;
   for (const int o : r.outputs) h.outputs[std::size_t(h.output_count++)] = o;

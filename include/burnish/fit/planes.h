@@ -14,7 +14,8 @@ template <template <class> class P> struct Planes {
   std::array<Floats, std::size_t(fields)> plane;
 
   explicit Planes(int n = 0, const P<float>& value = {}) : length(n) {
-    static_assert(!detail::has_fixed_members<P<float>>(), "burnish: planes hold numbers only; what is Fixed goes into data");
+    static_assert(!detail::has_fixed_members<P<float>>(),
+                  "burnish: planes hold numbers only; what is Fixed goes into data");
     std::size_t k = 0;
     each([&](float x) { plane[k++].assign(padded(std::size_t(n), tile), x); }, value);
   }
@@ -28,7 +29,11 @@ template <template <class> class P> struct Planes {
   void set(int i, const P<float>& p) {
     const std::size_t from = std::size_t(i), to = i == length - 1 ? plane[0].size() : from + 1;
     std::size_t k = 0;
-    each([&](float x) { std::fill(plane[k].begin() + std::ptrdiff_t(from), plane[k].begin() + std::ptrdiff_t(to), x), ++k; }, p);
+    each(
+        [&](float x) {
+          std::fill(plane[k].begin() + std::ptrdiff_t(from), plane[k].begin() + std::ptrdiff_t(to), x), ++k;
+        },
+        p);
   }
   std::array<const float*, std::size_t(fields)> pointers() const {
     std::array<const float*, std::size_t(fields)> p;

@@ -54,8 +54,10 @@ private:  // before gather: their types are deduced
   }
 
 public:
-  template <class G, class M, class... Data> void gather(const G& g, const M& model, const std::tuple<const Data&...>& d, M& d_model) {
-    parameters.clear(), data.clear(), list_values.clear(), lists.clear(), pixels.clear(), d_pixels.clear(), resources.clear();
+  template <class G, class M, class... Data>
+  void gather(const G& g, const M& model, const std::tuple<const Data&...>& d, M& d_model) {
+    parameters.clear(), data.clear(), list_values.clear(), lists.clear(), pixels.clear(), d_pixels.clear(),
+        resources.clear();
     if constexpr (is_planes<M>) {
       for (const float* p : model.pointers()) pixels.push_back(p);
       for (auto& p : d_model.plane) d_pixels.push_back(p.data());
@@ -112,7 +114,8 @@ struct CompiledRun {
       if (S::recording.nodes[std::size_t(P::plan.planes.node[k])].index == plane) return true;
     return false;
   }
-  void band(Environment& e, int begin, int end, float* const* image, const float* const* d_image, float* d_parameters, int n) const {
+  void band(Environment& e, int begin, int end, float* const* image, const float* const* d_image, float* d_parameters,
+            int n) const {
     State& s = state();
     std::size_t turns = 1;
     for (const Loop& l : S::recording.loops) turns = std::max(turns, std::size_t(e.lists[l.list].count));
@@ -129,7 +132,8 @@ struct CompiledRun {
 struct ReplayRun {
   const Replay& player;
   bool writes(int plane) const { return player.writes(plane); }
-  void band(Environment& e, int begin, int end, float* const* image, const float* const* d_image, float* d_parameters, int n) const {
+  void band(Environment& e, int begin, int end, float* const* image, const float* const* d_image, float* d_parameters,
+            int n) const {
     static thread_local Replay::State s;
     player.begin(s, e);
     for (int p = begin; p < end; p += tile) player.packet(s, e, p, image, d_image);
@@ -148,7 +152,8 @@ template <class M> void shape_like(M& d, const M& model) {
 /// Plays all bands. fill(begin, end, image planes, d_image planes) readies a band's adjoints; sums of the model's
 /// adjoints are added in the order of the bands.
 template <class Run, class G, class M, class... Data, class Fill, class Done>
-void play(const Run& run, const G& g, const M& model, const std::tuple<const Data&...>& data, int outputs, bool image, Fill fill, Done done, M& d) {
+void play(const Run& run, const G& g, const M& model, const std::tuple<const Data&...>& data, int outputs, bool image,
+          Fill fill, Done done, M& d) {
   Inputs& in = kept_buffer<Run, Inputs>();
   shape_like(d, model);
   in.gather(g, model, data, d);
@@ -201,11 +206,13 @@ void gradient(const G& g, const With<Look, Data...>& w, const M& model, int outp
   if constexpr (compile) {
     static_assert(!fixed, "burnish: the compiler cannot know what is Fixed in this model or data; leave the choice to "
                           "Player::automatic, or make it a parameter");
-    static_assert(Captureless<Look>, "burnish: this look captures; the compiler cannot record it. Hand run-time data over "
-                                     "with with(look, data...), or leave the choice to Player::automatic");
-    static_assert(!Captureless<Look> || CompilerRecords<One, Pixels::template type, maps, Look, Data...>,
-                  "burnish: the compiler cannot record this look; make every function that it calls constexpr, or leave the "
-                  "choice to Player::automatic. What stopped it is named below.");
+    static_assert(Captureless<Look>,
+                  "burnish: this look captures; the compiler cannot record it. Hand run-time data over "
+                  "with with(look, data...), or leave the choice to Player::automatic");
+    static_assert(
+        !Captureless<Look> || CompilerRecords<One, Pixels::template type, maps, Look, Data...>,
+        "burnish: the compiler cannot record this look; make every function that it calls constexpr, or leave the "
+        "choice to Player::automatic. What stopped it is named below.");
     using S = Source<One, Pixels::template type, maps, Look, Data...>;
     play(CompiledRun<Image, true, S, G, M, Data...>(0), g, model, w.data, outputs, Image, fill, done, d);
   } else {

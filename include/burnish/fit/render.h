@@ -44,7 +44,11 @@ template <class Look, class M> void render(const GBuffer& g, const Look& l, cons
       const int begin = packets * b / detail::bands * lanes, end = packets * (b + 1) / detail::bands * lanes;
       if constexpr (detail::is_planes<M>) {
         const auto planes = model.pointers();
-        shade([&](int p) { return [&]<template <class> class P>(const Planes<P>&) { return detail::load<P>(planes, p); }(model); }, begin, end);
+        shade(
+            [&](int p) {
+              return [&]<template <class> class P>(const Planes<P>&) { return detail::load<P>(planes, p); }(model);
+            },
+            begin, end);
       } else shade(lift<Lanes>(model), begin, end);
     });
   }, w.data);

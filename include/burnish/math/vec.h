@@ -30,7 +30,8 @@ template <class T> struct vec2 {
   constexpr vec2() = default;
   constexpr vec2(const T& a, const T& b) : x(a), y(b) {}
   explicit constexpr vec2(const T& s) : x(s), y(s) {}
-  template <detail::Foreign2 V> constexpr vec2(const V& v) : x(T(detail::component_x(v))), y(T(detail::component_y(v))) {}
+  template <detail::Foreign2 V> constexpr vec2(const V& v)
+      : x(T(detail::component_x(v))), y(T(detail::component_y(v))) {}
   static constexpr auto parameters() { return std::tuple{Param{"x", &vec2::x}, Param{"y", &vec2::y}}; }
 
   friend constexpr vec2 operator+(const vec2& a, const vec2& b) { return {a.x + b.x, a.y + b.y}; }
