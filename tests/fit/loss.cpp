@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Pictures are multiples of 1/64 and steps are powers of two, so that every moved entry is exact in float.
-#include <burnish/ad/parallel.h>
 #include <burnish/fit/loss.h>
 #include <burnish_test.h>
 #include <cstring>
@@ -246,22 +245,4 @@ TEST_CASE("losses: a number that is none inside the mask shows in the loss, and 
     d.plane(1)[33] = 0;
     for (const float x : d.values) CHECK(std::isfinite(x));
   }
-}
-TEST_CASE("losses: the same bits for any number of threads", "[fit][agreement]") {
-  const int before = threads();
-  const Image image = picture(301, 97, 21), photo = picture(301, 97, 22);
-  const Mask mask = fractions(301, 97, 23);
-  const Statistics theirs(photo, Mask(301, 97, 1));
-  Image first(301, 97);
-  double l1 = 0, part = 0;
-  for (const int n : {1, 2, 3}) {
-    set_threads(n);
-    Image d(301, 97);
-    const double a = masked_l1(image, photo, mask, 1, d), b = part_statistics(image, mask, theirs, 0.1, d);
-    if (n == 1) first = d, l1 = a, part = b;
-    CHECK(a == l1);
-    CHECK(b == part);
-    CHECK(same_bits(d, first));
-  }
-  set_threads(before);
 }
