@@ -67,6 +67,14 @@ struct Vehicle {
   Rubber<float> rubber;
 };
 
+/// Red, so that one sees what the fit does; hardly metallic, as most paints.
+CarPaint<float> first_paint() {
+  CarPaint<float> paint;
+  paint.base_metalness = 0.1f;
+  return paint;
+}
+
+constexpr float any_yaw = 1000;
 struct Options {
   std::string photo = "/usr/share/darknet/data/dog.jpg", mask, parts, camera;
   std::string vehicle = "/usr/share/sweethome3d/furniture/Scopia.sh3f:scopia/suv/suv.obj";
@@ -74,8 +82,8 @@ struct Options {
   std::string output = "burnish-fit", resume;
   std::vector<std::string> roles, freeze = {"tint", "coat_ior", "mottle.size", "flakes.size", "flakes.resolved",
                                             "glass.base_color", "glass.specular_roughness", "glass.specular_ior", "specular_ior"};
-  float yaw = 106, exposure = 0, rate = 0.02f, prior = 0.02f;
-  int steps = 300, threads = 0, pixels = 40000;
+  float yaw = any_yaw, exposure = 0, rate = 0.02f, prior = 0.02f;
+  int steps = 300, patience = 50, threads = 0, pixels = 40000;
 
   /// Whether a parameter, or what it is a member of, is frozen.
   bool frozen(const std::string& parameter) const {
@@ -85,6 +93,10 @@ struct Options {
 
 // ---- what is read ----------------------------------------------------------------------------------------------------
 
+Mask both(Mask a, const Mask& b) {
+  for (std::size_t i = 0; i < a.values.size(); ++i) a.values[i] *= b.values[i];
+  return a;
+}
 struct Photo {
   Image image;             // as the camera developed it: sRGB values 0 to 1
   Mask vehicle;            // 0 to 1
@@ -126,8 +138,7 @@ template <class M> void resume(FitState<M>& state, const Options& o, const char*
 Inputs read(const Options& o) {
   Inputs in;
   for (const std::string& r : o.roles) in.roles.push_back(parts::parse_role(r));
-  Vehicle start;
-  start.paint.base_metalness = 0.1f;
+  const Vehicle start{first_paint(), {}, {}};
   in.paint = FitState(start.paint, Adam{.rate = o.rate});
   in.window = FitState(start.window, Adam{.rate = o.rate});
   in.rubber = FitState(start.rubber, Adam{.rate = o.rate});
@@ -144,9 +155,9 @@ Inputs read(const Options& o) {
   for (std::size_t i = 0; i < photo.values.size(); ++i) in.photo.image.values[i] = detail::to_srgb(std::clamp(photo.values[i], 0.0f, 1.0f));
   in.photo.vehicle = read_mask(o.mask, photo.width, photo.height);
   if (!o.parts.empty()) in.photo.label = read_labels(o.parts, photo.width, photo.height);
-  const Mask paint = in.photo.of(Role::paint);
-  if (std::none_of(paint.values.begin(), paint.values.end(), [](float x) { return x > 0.5f; }))
-    throw Error((o.parts.empty() ? o.mask : o.parts) + ": no pixel is marked as the vehicle's paint, expected some");
+  const auto empty = [](const Mask& m) { return std::none_of(m.values.begin(), m.values.end(), [](float x) { return x > 0.5f; }); };
+  if (empty(in.photo.vehicle)) throw Error(o.mask + ": no pixel is white, expected the vehicle to be");
+  if (empty(in.photo.of(Role::paint))) throw Error(o.parts + ": no pixel on the mask is labelled 1, expected the vehicle's paint to be");
   in.camera = read_camera(o.camera);
   if (in.camera.width != photo.width || in.camera.height != photo.height)
     throw Error(o.camera + ": camera " + std::to_string(in.camera.width) + " x " + std::to_string(in.camera.height) + ", photo " +
@@ -160,8 +171,8 @@ Inputs read(const Options& o) {
 
 /// Neutral on average, and as strong as a street of middling grey (albedo 0.2) must have been lit to give the photo's mean
 /// brightness.
-World world_of(const Options& o, const Inputs& in) {
-  World world{EnvironmentLight(in.panorama, o.yaw * pi / 180), {}, {}};
+World world_of(const Options& o, const Inputs& in, float yaw) {
+  World world{EnvironmentLight(in.panorama, yaw * pi / 180), {}, {}};
   const IrradianceMap irradiance(world.sky);
   vec3<float> mean;
   for (const vec3<float>& n : {vec3<float>{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0, 0, -1}}) {
@@ -180,7 +191,8 @@ World world_of(const Options& o, const Inputs& in) {
 }
 /// How many times stronger the light must be for half of the paint's pixels to need no albedo above 0.8, the most that
 /// paints have, in any channel; at least 1.
-float white_point(const Shot& seen, const World& world, const Photo& photo, const Mask& overlap) {
+float white_point(const Shot& seen, const World& world, const Photo& photo) {
+  const Mask overlap = both(photo.of(Role::paint), seen[Role::paint].frame("coverage"));
   CarPaint<float> white;
   white.base_color = {0.8f, 0.8f, 0.8f}, white.base_metalness = 0;
   const Image image = render(seen[Role::paint], lit(painted, seen, world), white);
@@ -205,10 +217,6 @@ struct Weights {
 /// mean and variance count more than its pixels, and the tenth that is brightest and the tenth that is darkest do not.
 constexpr Weights weights_of(Role r) { return r == Role::paint ? Weights{1, 0.1} : Weights{0.1, 1}; }
 
-Mask both(Mask a, const Mask& b) {
-  for (std::size_t i = 0; i < a.values.size(); ++i) a.values[i] *= b.values[i];
-  return a;
-}
 Mask without_extremes(const Image& image, Mask mask) {
   const auto y = [&](std::size_t i) { return luminance(vec3<float>(image.plane(0)[i], image.plane(1)[i], image.plane(2)[i])); };
   std::vector<float> all;
@@ -237,6 +245,40 @@ template <class M> double hold_back(const M& model, const M& start, M& d, const 
     }
   }, d, model, start);
   return loss;
+}
+
+/// The panorama's yaw, of eight, under which a few steps on a few of the paint's pixels come closest to the photo.
+float best_yaw(const Options& o, const Inputs& in, const GBuffer& g, const std::vector<Role>& roles, const Photo& photo) {
+  const Mask target = photo.of(Role::paint);
+  std::vector<int> all, some;
+  for (int i = 0; i < g.size(); ++i)
+    if (roles[std::size_t(i)] == Role::paint && target.values[std::size_t(g.pixel[std::size_t(i)])] > 0.5f) all.push_back(i);
+  for (std::size_t i = 0; i < all.size(); i += 1 + all.size() / 1500) some.push_back(all[i]);
+  if (some.empty()) return 0;
+  Shot seen;
+  seen.parts[0] = g.picked(some);
+  const Mask overlap = both(target, seen[Role::paint].frame("coverage"));
+  const CarPaint<float> start = first_paint();
+  Image image(g.width, g.height), d_image = image;
+  float best = 0;
+  double least = 1e9;
+  for (const float yaw : {0.0f, 45.0f, 90.0f, 135.0f, 180.0f, 225.0f, 270.0f, 315.0f}) {
+    World world = world_of(o, in, yaw);
+    seen.light = LightOf<float>(Illumination(world.sky, seen[Role::paint], {}, {.rings = Rings::Size::small}));
+    const float up = o.exposure > 0 ? 1 : white_point(seen, world, photo);
+    world.strength.sky *= up, world.strength.sun *= up;
+    const auto look = lit(painted, seen, world);
+    FitState state(start, Adam{.rate = 0.05f});
+    fit(state, [&](const CarPaint<float>& model, CarPaint<float>& d) {
+      render(seen[Role::paint], look, model, image);
+      std::fill(d_image.values.begin(), d_image.values.end(), 0.0f);
+      const double loss = masked_l1(image, photo.image, overlap, 1, d_image);
+      backward(seen[Role::paint], look, model, d_image, d);
+      return loss + hold_back(model, start, d, o, o.prior);
+    }, Patience{.steps = 50, .window = 0});
+    if (state.best_loss < least) least = state.best_loss, best = yaw;
+  }
+  return best;
 }
 
 /// A part's fit: its state, and what is said about it.
@@ -279,7 +321,7 @@ template <class M, class Look> Fitted<M> fit_part(Role role, const M& start, Fit
       throw Error(std::string(e.what()) + ", pixel (" + std::to_string(p % image.width) + ", " + std::to_string(p / image.width) + ")");
     }
     return loss + pull;
-  }, Patience{.steps = options.steps}, [&](const FitState<M>& s) {
+  }, Patience{.steps = options.steps, .window = options.patience}, [&](const FitState<M>& s) {
     char note[64];
     std::snprintf(note, sizeof note, "loss %.4f", s.losses.back());
     progress.show(s.step(), options.steps, note);
@@ -339,11 +381,12 @@ int run(const Options& o) {
     if (a > 0 || b > 0.5f) x0 = std::min(x0, i % frame.width), x1 = std::max(x1, i % frame.width), y0 = std::min(y0, i / frame.width), y1 = std::max(y1, i / frame.width);
   }
   if (shared == 0) throw Error(o.camera + ": the vehicle lies nowhere on the mask, expected it to be seen where the photo's is");
-  const int margin = (x1 - x0) / 12 + 4, w = x1 - x0 + 1 + 2 * margin, h = y1 - y0 + 1 + 2 * margin;
-  const Camera camera = in.camera.cropped(x0 - margin, y0 - margin, w, h)
+  const int margin = (x1 - x0) / 12 + 4;
+  x0 = std::max(x0 - margin, 0), y0 = std::max(y0 - margin, 0);
+  const int w = std::min(x1 + margin + 1, frame.width) - x0, h = std::min(y1 + margin + 1, frame.height) - y0;
+  const Camera camera = in.camera.cropped(x0, y0, w, h)
                             .scaled(std::min(1.0f, std::sqrt(float(o.pixels) / float(frame.size()))));
-  const World dim = world_of(o, in);
-  const Photo photo = in.photo.window(x0 - margin, y0 - margin, w, h, camera);
+  const Photo photo = in.photo.window(x0, y0, w, h, camera);
   const GBuffer g = scene.trace(camera);
   const std::vector<Role> roles = parts::roles_of(g, scene.mesh(), in.roles);
   std::map<std::string, std::array<int, 4>> found;  // how many pixels of a material have which role
@@ -364,25 +407,25 @@ int run(const Options& o) {
   std::vector<Role> fitted_roles;
   for (int i = 0; i < g.size(); ++i)
     if (roles[std::size_t(i)] != Role::other) fitted.push_back(i), fitted_roles.push_back(roles[std::size_t(i)]);
-  World world = dim;
+  const float yaw = o.yaw == any_yaw ? best_yaw(o, in, g, roles, photo) : o.yaw;
+  World world = world_of(o, in, yaw);
   const Shot lit_pixels = shot::gather(world, scene, g.picked(fitted), fitted_roles, Rings::Size::medium);
   const Mask coverage = g.frame("coverage");
   if (o.exposure <= 0) {
-    const float up = white_point(lit_pixels, world, photo, both(photo.of(Role::paint), lit_pixels[Role::paint].frame("coverage")));
+    const float up = white_point(lit_pixels, world, photo);
     world.strength.sky *= up, world.strength.sun *= up;
   }
-  std::snprintf(note, sizeof note, "%zu suns, strength %.2f %.2f %.2f, %.0f MB of tables", world.sky.suns.size(), double(world.strength.sky.x),
+  std::snprintf(note, sizeof note, "turned by %.0f degrees, %zu suns, strength %.2f %.2f %.2f, %.0f MB of tables", double(yaw), world.sky.suns.size(), double(world.strength.sky.x),
                 double(world.strength.sky.y), double(world.strength.sky.z), double(lit_pixels.light.bytes()) / 1e6);
   lighting.finish(note);
 
   // The fits. From here on something is written.
   check_writable(o.output);
-  Vehicle before, after;
-  before.paint.base_metalness = 0.1f;
+  const Vehicle before{first_paint(), {}, {}};
   const auto paint = fit_part(Role::paint, before.paint, std::move(in.paint), painted, lit_pixels, world, photo, o);
   const auto window = fit_part(Role::glass, before.window, std::move(in.window), AtRunTime<decltype(glazed)>{&glazed}, lit_pixels, world, photo, o);
   const auto rubber = fit_part(Role::rubber, before.rubber, std::move(in.rubber), AtRunTime<decltype(painted)>{&painted}, lit_pixels, world, photo, o);
-  after = {paint.state.best, window.state.best, rubber.state.best};
+  const Vehicle after{paint.state.best, window.state.best, rubber.state.best};
   write_model(o.output + "/paint.json", after.paint);
   write_model(o.output + "/glass.json", after.window);
   write_model(o.output + "/rubber.json", after.rubber);
@@ -417,7 +460,7 @@ int run(const Options& o) {
   if (window.pixels > 0) add_rows(rows, "glass", before.window, window, o);
   if (rubber.pixels > 0) add_rows(rows, "rubber", before.rubber, rubber, o);
   Page page("The paint of a vehicle, fitted to a photo");
-  page.text(o.photo + "   |   " + o.vehicle + "   |   " + o.environment);
+  page.text(o.photo + "   |   " + o.vehicle + "   |   " + o.environment + ", turned by " + std::to_string(int(std::lround(yaw))) + " degrees");
   page.picture(o.output + "/fit.png", "Photo; the model with its first paint; the model with the fitted materials; what is left, where photo and model overlap.");
   std::snprintf(note, sizeof note, "The paint took %d steps on %d pixels: %.2f s on %d threads. Its loss went from %.4f to %.4f.%s", paint.state.step(), paint.pixels,
                 paint.seconds, threads(), losses.empty() ? 0 : losses.front(), losses.empty() ? 0 : paint.state.best_loss, interrupted ? " It was interrupted." : "");
@@ -459,20 +502,22 @@ int main(int argc, char** argv) {
                "                  --vehicle car.glb --environment sky.exr --yaw 40 --output fit\n\n"
                "The loss of the paint: the mean difference of the pixels where paint lies on paint, plus 0.1 times that of the\n"
                "parts' means and variances. Glass and rubber: 0.1 times the first plus the second, without the photo's extremes."};
+  app.option_defaults()->take_last();
   app.add_option("--photo", o.photo, "the photo: any format OpenImageIO reads");
   app.add_option("--mask", o.mask, "the vehicle in the photo: white, same size");
   app.add_option("--parts", o.parts, "labels, same size: 1 paint, 2 glass, 3 rubber, 4 other, 0 not the vehicle");
   app.add_option("--camera", o.camera, "JSON: width height fx fy cx cy position look_at up; the vehicle stands at the origin, x ahead, y up, metres");
   app.add_option("--vehicle", o.vehicle, "any format Assimp reads; archive.zip:inner/path for a file in a zip archive");
-  app.add_option("--role", o.roles, "material=paint|glass|rubber|other, as often as needed; the rest is guessed");
+  app.add_option("--role", o.roles, "material=paint|glass|rubber|other, as often as needed; the rest is guessed")->take_all();
   app.add_option("--environment", o.environment, "lat-long panorama, EXR or HDR");
-  app.add_option("--yaw", o.yaw, "degrees the panorama is turned about +y")->capture_default_str();
+  app.add_option("--yaw", o.yaw, "degrees the panorama is turned about +y; if not given, the best of eight");
   app.add_option("--exposure", o.exposure, "strength of the light; 0: found from the photo's brightness")->capture_default_str();
   app.add_option("--pixels", o.pixels, "of the vehicle, at most: a larger photo is made smaller")->check(CLI::Range(100, 100000000))->capture_default_str();
   app.add_option("--steps", o.steps, "at most")->check(CLI::Range(1, 100000))->capture_default_str();
+  app.add_option("--patience", o.patience, "a fit ends when so many steps gain nothing; 0: never")->check(CLI::Range(0, 100000))->capture_default_str();
   app.add_option("--rate", o.rate, "of Adam, in parts of every parameter's range")->check(CLI::Range(1e-6f, 1.0f))->capture_default_str();
   app.add_option("--prior", o.prior, "how strongly what the photo does not tell is held where it began")->check(CLI::Range(0.0f, 10.0f))->capture_default_str();
-  app.add_option("--freeze", o.freeze, "parameters that stay as they are")->delimiter(',')->capture_default_str();
+  app.add_option("--freeze", o.freeze, "parameters that stay as they are")->take_all()->delimiter(',')->capture_default_str();
   app.add_option("--resume", o.resume, "go on from the states in this folder");
   app.add_option("--threads", o.threads, "0: all cores")->check(CLI::Range(0, 1024))->capture_default_str();
   app.add_option("-o,--output", o.output, "folder for pictures and files")->capture_default_str();

@@ -155,12 +155,13 @@ inline std::vector<Role> roles_of(const GBuffer& g, const Mesh& mesh, const std:
   for (std::size_t i = 0; i < out.size(); ++i) {
     const std::size_t part = std::size_t(g.part[i]);
     if (g.parts[part].texture < 0 || fixed[part]) continue;
-    const float y = luminance(color[i]);
-    if (out[i] == Role::rubber && y > 0.1f) out[i] = Role::other;
+    if (out[i] == Role::rubber && luminance(color[i]) > 0.1f) out[i] = Role::other;
     if (out[i] != Role::paint) continue;
-    if (y < 0.2f * luminance(main[int(part)])) out[i] = Role::other;
-    else if (const int s = sector(color[i]); s >= 0 && float(sectors[int(part)][std::size_t(s)]) < 0.04f * float(painted[int(part)]))
-      out[i] = Role::other;
+    const int s = sector(color[i]);
+    const auto value = [](const vec3<float>& c) { return std::max({c.x, c.y, c.z}); };
+    const bool dark = s < 0 && value(color[i]) < 0.2f * value(main[int(part)]);
+    const bool rare = s >= 0 && float(sectors[int(part)][std::size_t(s)]) < 0.04f * float(painted[int(part)]);
+    if (dark || rare) out[i] = Role::other;
   }
   return out;
 }

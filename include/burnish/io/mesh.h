@@ -87,7 +87,8 @@ inline Part part_of(const aiScene& scene, const aiMesh& mesh, const aiNode& node
   float opacity = 1;
   material.Get(AI_MATKEY_OPACITY, opacity);
   p.opacity = std::clamp(std::min(opacity, color.a), 0.0f, 1.0f);
-  if (mesh.HasTextureCoords(0)) p.texture = textures.of(material);
+  const int texture = textures.of(material);
+  if (mesh.HasTextureCoords(0)) p.texture = texture;
   // Some exporters write black beside a texture, meaning nothing by it.
   if (p.texture >= 0 && p.base_color.x + p.base_color.y + p.base_color.z == 0) p.base_color = {1, 1, 1};
   return p;
