@@ -105,6 +105,69 @@ TEST_CASE("Mesh file: a vehicle comes clean, and its report says what was mended
   for (const auto& uv : m.uvs) CHECK(detail::finite(uv));
 }
 
+TEST_CASE("Mesh file: colour textures come from beside the file, an archive and the file itself", "[io][agreement]") {
+  // A square whose texture is red, green over blue, white; the corner at (0, 0) is blue.
+  const files::Folder folder;
+  const char* const ppm = "P3\n2 2\n255\n255 0 0  0 255 0\n0 0 255  255 255 255\n";
+  const char* const square = "mtllib t.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n"
+                             "usemtl a\nf 1/1 2/2 3/3 4/4\n";
+  const char* const textured = "newmtl a\nKd 1 0.5 1\nmap_Kd t.png\n";
+  const auto check_colors = [](const Mesh& m) {
+    REQUIRE(m.images.size() == 1);
+    REQUIRE(m.parts.at(0).texture == 0);
+    const auto color = [&](float u, float v) { return m.color(m.parts[0], {u, v}); };
+    CHECK(length(color(0.25f, 0.25f) - vec3<float>(0, 0, 1)) < 1e-5f);
+    CHECK(length(color(0.75f, 0.75f) - vec3<float>(0, 0.5f, 0)) < 1e-5f);  // times the material's colour
+    CHECK(length(color(1.25f, -0.25f) - vec3<float>(1, 0, 0)) < 1e-5f);    // repeats
+  };
+  folder.write("t.ppm", ppm);
+  OIIO::ImageBuf(folder / "t.ppm").write(folder / "t.png");
+  folder.write("t.mtl", textured);
+  check_colors(read_mesh(folder.write("t.obj", square)));
+
+  const std::string png = read_text(folder / "t.png");
+  const zipFile z = zipOpen64((folder / "t.zip").c_str(), APPEND_STATUS_CREATE);
+  for (const auto& [name, text] : {std::pair<const char*, std::string>{"in/t.obj", square}, {"in/t.mtl", textured}, {"in/t.png", png}}) {
+    zipOpenNewFileInZip64(z, name, nullptr, nullptr, 0, nullptr, 0, nullptr, Z_DEFLATED, Z_DEFAULT_COMPRESSION, 0);
+    zipWriteInFileInZip(z, text.data(), unsigned(text.size()));
+    zipCloseFileInZip(z);
+  }
+  zipClose(z, nullptr);
+  check_colors(read_mesh((folder / "t.zip") + ":in/t.obj"));
+
+  const float numbers[20] = {0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0, 0, 1, 1, 1, 1, 0, 0, 0};  // corners; uvs, v downwards
+  const unsigned short corners[6] = {0, 1, 2, 0, 2, 3};
+  std::string bytes(reinterpret_cast<const char*>(numbers), sizeof numbers);
+  bytes.append(reinterpret_cast<const char*>(corners), sizeof corners).append(png);
+  folder.write("t.bin", bytes);
+  check_colors(read_mesh(folder.write("t.gltf", R"({"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}],
+    "nodes": [{"mesh": 0}], "meshes": [{"primitives": [{"attributes": {"POSITION": 0, "TEXCOORD_0": 1}, "indices": 2,
+    "material": 0}]}], "materials": [{"pbrMetallicRoughness": {"baseColorFactor": [1, 0.5, 1, 1],
+    "baseColorTexture": {"index": 0}}}], "textures": [{"source": 0}],
+    "images": [{"bufferView": 3, "mimeType": "image/png"}], "accessors": [
+    {"bufferView": 0, "componentType": 5126, "count": 4, "type": "VEC3", "min": [0, 0, 0], "max": [1, 1, 0]},
+    {"bufferView": 1, "componentType": 5126, "count": 4, "type": "VEC2"},
+    {"bufferView": 2, "componentType": 5123, "count": 6, "type": "SCALAR"}], "bufferViews": [
+    {"buffer": 0, "byteOffset": 0, "byteLength": 48}, {"buffer": 0, "byteOffset": 48, "byteLength": 32},
+    {"buffer": 0, "byteOffset": 80, "byteLength": 12}, {"buffer": 0, "byteOffset": 92, "byteLength": )" +
+                                                             std::to_string(png.size()) + R"(}],
+    "buffers": [{"uri": "t.bin", "byteLength": )" + std::to_string(bytes.size()) + "}]}")));
+}
+
+TEST_CASE("Mesh file: a texture that cannot be read is reported and done without", "[io][limit]") {
+  const files::Folder folder;
+  for (const char* content : {"", "no picture"}) {
+    folder.write("t.mtl", "newmtl a\nKd 0.5 0.5 0.5\nmap_Kd t.png\n");
+    if (*content) folder.write("t.png", content);
+    MeshReport report;
+    const Mesh m = read_vehicle(folder.write("t.obj", "mtllib t.mtl\nv 0 0 0\nv 4 0 0\nv 4 1 0\nv 0 0 2\nvt 0 0\nvt 1 0\nvt 1 1\n"
+                                                      "usemtl a\nf 1/1 2/2 3/3\nf 1/1 2/2 4/3\n"), &report);
+    CHECK(report.says("texture t.png cannot be read: "));
+    CHECK(m.parts[0].texture == -1);
+    CHECK(m.color(m.parts[0], {0.5f, 0.5f}).x == 0.5f);
+  }
+}
+
 TEST_CASE("Mesh file: what is wrong is said in one line", "[io][limit]") {
   const files::Folder folder;
   CHECK(error_of([&] { read_mesh(folder / "none.obj"); }) == (folder / "none.obj") + ": no such file");
