@@ -1,26 +1,29 @@
 // examples/04_fit_material.cpp -- a street photo, a CAD vehicle and a panorama go in; a fitted car paint comes out
 // SPDX-License-Identifier: Apache-2.0
 //
-// The way of the data: the vehicle is seen through the photo's camera (a G-buffer, once); the panorama's light is gathered
-// for every pixel (once); then render, compare with the photo, go back, step, 300 times; at the end pictures and files.
+// The way of the data: the vehicle is seen through the photo's camera (a G-buffer, once); the panorama's light is
+// gathered for every pixel (once); then render, compare with the photo, go back, step, 300 times; at the end pictures
+// and files.
 #include <CLI/CLI.hpp>
 #include <burnish/burnish.h>
-#include <burnish/io/camera.h>
 #include <burnish/io/exr.h>
-#include <burnish/io/mesh.h>
 #include <burnish/io/model.h>
 #include <burnish/io/report.h>
-#include "certainty.h"
+#include <burnish/scene/raycast.h>
+#include "fitted.h"
 #include "progress.h"
 #include "shot.h"
+#include "street.h"
 
 using namespace burnish;
+using fitted::Fitted, fitted::hold_back;
 using parts::Role;
 using shot::Shot, shot::World, shot::lit, shot::linear;
+using street::Options, street::Photo, street::Inputs, street::both;
 
 namespace {
 
-// ---- what is fitted, and how it looks --------------------------------------------------------------------------------
+// ---- what is fitted, and how it looks -------------------------------------------------------------------------------
 
 /// What a camera makes of linear light: a shoulder above 0.8 instead of a hard clip, then the sRGB curve.
 inline constexpr auto developed = []<class T>(const vec3<T>& light) {
@@ -36,7 +39,8 @@ float undeveloped(float x) {
   return y < 0.8f ? y : 0.8f - 0.2f * std::log(std::max(1 - 5 * (y - 0.8f), 1e-4f));
 }
 
-inline constexpr auto painted = [](const auto& paint, const auto& at, const auto& light, const auto& suns, const auto& strength) {
+inline constexpr auto painted = [](const auto& paint, const auto& at, const auto& light, const auto& suns,
+                                   const auto& strength) {
   return developed(illuminate(paint(at), at, light, suns, strength));
 };
 
@@ -47,10 +51,12 @@ template <class T> struct Window {
   vec3<T> behind = {0.1f, 0.1f, 0.1f};
   T mirrored = 0.7f;
   static constexpr auto parameters() {
-    return std::tuple{Param{"glass", &Window::glass}, Param{"behind", &Window::behind, unit}, Param{"mirrored", &Window::mirrored, unit}};
+    return std::tuple{Param{"glass", &Window::glass}, Param{"behind", &Window::behind, unit},
+                      Param{"mirrored", &Window::mirrored, unit}};
   }
 };
-inline constexpr auto glazed = [](const auto& window, const auto& at, const auto& light, const auto& suns, const auto& strength) {
+inline constexpr auto glazed = [](const auto& window, const auto& at, const auto& light, const auto& suns,
+                                  const auto& strength) {
   const auto surface = window.glass(at);
   const auto through = transmittance(surface, dot(at.normal, at.view)) * window.behind * strength.sky;
   return developed(illuminate(surface, at, light, suns, strength) * window.mirrored + through);
@@ -74,58 +80,8 @@ CarPaint<float> first_paint() {
   return paint;
 }
 
-constexpr float any_yaw = 1000;
-struct Options {
-  std::string photo = "/usr/share/darknet/data/dog.jpg", mask, parts, camera;
-  std::string vehicle = "/usr/share/sweethome3d/furniture/Scopia.sh3f:scopia/suv/suv.obj";
-  std::string environment = "/usr/share/blender/datafiles/studiolights/world/city.exr";
-  std::string output = "burnish-fit", resume;
-  std::vector<std::string> roles, freeze = {"tint", "coat_ior", "mottle.size", "flakes.size", "flakes.resolved",
-                                            "glass.base_color", "glass.specular_roughness", "glass.specular_ior", "specular_ior"};
-  float yaw = any_yaw, exposure = 0, rate = 0.02f, prior = 0.02f;
-  int steps = 300, patience = 50, threads = 0, pixels = 40000;
-
-  /// Whether a parameter, or what it is a member of, is frozen.
-  bool frozen(const std::string& parameter) const {
-    return std::any_of(freeze.begin(), freeze.end(), [&](const auto& f) { return parameter == f || parameter.rfind(f + ".", 0) == 0; });
-  }
-};
-
-// ---- what is read ----------------------------------------------------------------------------------------------------
-
-Mask both(Mask a, const Mask& b) {
-  for (std::size_t i = 0; i < a.values.size(); ++i) a.values[i] *= b.values[i];
-  return a;
-}
-struct Photo {
-  Image image;             // as the camera developed it: sRGB values 0 to 1
-  Mask vehicle;            // 0 to 1
-  std::vector<int> label;  // of each pixel: 1 paint, 2 glass, 3 rubber, 4 other, 0 not the vehicle; empty: not known
-
-  /// The window that the vehicle is in, made smaller by a factor.
-  Photo window(int x, int y, int w, int h, const Camera& camera) const {
-    Photo p{resized(cropped(image, x, y, w, h), camera.width, camera.height), resized(cropped(vehicle, x, y, w, h), camera.width, camera.height), {}};
-    for (int i = 0; i < camera.width * camera.height && !label.empty(); ++i) {
-      const int px = x + (i % camera.width * 2 + 1) * w / (2 * camera.width), py = y + (i / camera.width * 2 + 1) * h / (2 * camera.height);
-      const bool inside = px >= 0 && px < image.width && py >= 0 && py < image.height;
-      p.label.push_back(inside ? label[std::size_t(py) * std::size_t(image.width) + std::size_t(px)] : 0);
-    }
-    return p;
-  }
-  Mask of(Role role) const {
-    if (label.empty()) return role == Role::paint ? vehicle : Mask(vehicle.width, vehicle.height);
-    Mask m = vehicle;
-    for (std::size_t i = 0; i < label.size(); ++i) m.values[i] *= label[i] == int(role) + 1 ? 1.0f : 0.0f;
-    return m;
-  }
-};
-struct Inputs {
-  Photo photo;
-  Camera camera;
-  Image panorama;
-  Mesh mesh;
-  MeshReport report;
-  std::vector<parts::GivenRole> roles;
+/// The three fits at their start, or where an earlier one left them.
+struct Fits {
   FitState<CarPaint<float>> paint;
   FitState<Window<float>> window;
   FitState<Rubber<float>> rubber;
@@ -134,45 +90,30 @@ template <class M> void resume(FitState<M>& state, const Options& o, const char*
   const std::string path = o.resume + "/" + file;
   if (!o.resume.empty() && (needed || std::filesystem::exists(path))) from_json(parse_json(path), state, path);
 }
-/// Everything is read and checked before any work is done and before anything is written.
-Inputs read(const Options& o) {
-  Inputs in;
-  for (const std::string& r : o.roles) in.roles.push_back(parts::parse_role(r));
+Fits begin(const Options& o) {
+  Fits fits;
   const Vehicle start{first_paint(), {}, {}};
-  in.paint = FitState(start.paint, Adam{.rate = o.rate});
-  in.window = FitState(start.window, Adam{.rate = o.rate});
-  in.rubber = FitState(start.rubber, Adam{.rate = o.rate});
+  fits.paint = FitState(start.paint, Adam{.rate = o.rate});
+  fits.window = FitState(start.window, Adam{.rate = o.rate});
+  fits.rubber = FitState(start.rubber, Adam{.rate = o.rate});
   for (const std::string& f : o.freeze) {
     bool known = false;
     const auto look = [&](const std::string& name, auto&, Range) { known |= name == f || name.rfind(f + ".", 0) == 0; };
-    for_each_parameter(start.paint, look), for_each_parameter(start.window, look), for_each_parameter(start.rubber, look);
+    for_each_parameter(start.paint, look), for_each_parameter(start.window, look),
+        for_each_parameter(start.rubber, look);
     if (!known) throw Error("--freeze " + f + ": no material has such a parameter");
   }
-  resume(in.paint, o, "paint.state.json", true), resume(in.window, o, "glass.state.json", false), resume(in.rubber, o, "rubber.state.json", false);
-
-  const Image photo = read_photo(o.photo);
-  in.photo.image = Image(photo.width, photo.height);
-  for (std::size_t i = 0; i < photo.values.size(); ++i) in.photo.image.values[i] = detail::to_srgb(std::clamp(photo.values[i], 0.0f, 1.0f));
-  in.photo.vehicle = read_mask(o.mask, photo.width, photo.height);
-  if (!o.parts.empty()) in.photo.label = read_labels(o.parts, photo.width, photo.height);
-  const auto empty = [](const Mask& m) { return std::none_of(m.values.begin(), m.values.end(), [](float x) { return x > 0.5f; }); };
-  if (empty(in.photo.vehicle)) throw Error(o.mask + ": no pixel is white, expected the vehicle to be");
-  if (empty(in.photo.of(Role::paint))) throw Error(o.parts + ": no pixel on the mask is labelled 1, expected the vehicle's paint to be");
-  in.camera = read_camera(o.camera);
-  if (in.camera.width != photo.width || in.camera.height != photo.height)
-    throw Error(o.camera + ": camera " + std::to_string(in.camera.width) + " x " + std::to_string(in.camera.height) + ", photo " +
-                std::to_string(photo.width) + " x " + std::to_string(photo.height) + ": they must agree");
-  in.panorama = read_photo(o.environment);
-  in.mesh = read_vehicle(o.vehicle, &in.report);
-  return in;
+  resume(fits.paint, o, "paint.state.json", true), resume(fits.window, o, "glass.state.json", false),
+      resume(fits.rubber, o, "rubber.state.json", false);
+  return fits;
 }
 
-// ---- the light -------------------------------------------------------------------------------------------------------
+// ---- the light ------------------------------------------------------------------------------------------------------
 
-/// Neutral on average, and as strong as a street of middling grey (albedo 0.2) must have been lit to give the photo's mean
-/// brightness.
-World world_of(const Options& o, const Inputs& in, float yaw) {
-  World world{EnvironmentLight(in.panorama, yaw * pi / 180), {}, {}};
+/// Neutral on average, and as strong as a street of middling grey (albedo 0.2) must have been lit to give the photo's
+/// mean brightness.
+World world_of(const Options& o, const Inputs& in, const Image& panorama, float yaw) {
+  World world{EnvironmentLight(panorama, yaw * pi / 180), {}, {}};
   const IrradianceMap irradiance(world.sky);
   vec3<float> mean;
   for (const vec3<float>& n : {vec3<float>{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0, 0, -1}}) {
@@ -200,7 +141,8 @@ float white_point(const Shot& seen, const World& world, const Photo& photo) {
   for (int c = 0; c < 3; ++c) {
     std::vector<float> ratio;
     for (std::size_t i = 0; i < overlap.values.size(); ++i)
-      if (overlap.values[i] > 0.5f) ratio.push_back(undeveloped(photo.image.plane(c)[i]) / std::max(undeveloped(image.plane(c)[i]), 1e-4f));
+      if (overlap.values[i] > 0.5f)
+        ratio.push_back(undeveloped(photo.image.plane(c)[i]) / std::max(undeveloped(image.plane(c)[i]), 1e-4f));
     if (ratio.empty()) break;
     std::nth_element(ratio.begin(), ratio.begin() + std::ptrdiff_t(ratio.size() / 2), ratio.end());
     most = std::max(most, ratio[ratio.size() / 2]);
@@ -208,161 +150,125 @@ float white_point(const Shot& seen, const World& world, const Photo& photo) {
   return std::min(most, 8.0f);
 }
 
-// ---- one part against the photo --------------------------------------------------------------------------------------
+// ---- one part against the photo -------------------------------------------------------------------------------------
 
 struct Weights {
   double aligned, statistics;
 };
-/// The paint lies on the paint; a wheel or a pane of another model does not lie on the photo's, so there the whole part's
-/// mean and variance count more than its pixels, and the tenth that is brightest and the tenth that is darkest do not.
+/// The paint lies on the paint; a wheel or a pane of another model does not lie on the photo's, so there the whole
+/// part's mean and variance count more than its pixels, and the tenth that is brightest and the tenth that is darkest
+/// do not.
 constexpr Weights weights_of(Role r) { return r == Role::paint ? Weights{1, 0.1} : Weights{0.1, 1}; }
 
-Mask without_extremes(const Image& image, Mask mask) {
-  const auto y = [&](std::size_t i) { return luminance(vec3<float>(image.plane(0)[i], image.plane(1)[i], image.plane(2)[i])); };
-  std::vector<float> all;
-  for (std::size_t i = 0; i < mask.values.size(); ++i)
-    if (mask.values[i] > 0.5f) all.push_back(y(i));
-  std::sort(all.begin(), all.end());
-  for (std::size_t i = 0; i < mask.values.size() && !all.empty(); ++i)
-    if (mask.values[i] > 0 && (y(i) < all[all.size() / 10] || y(i) > all[all.size() - 1 - all.size() / 10])) mask.values[i] = 0;
-  return mask;
-}
-
-/// What the photo does not tell stays near where it began: a parabola over every parameter's range but a colour's, of that
-/// strength, added to the loss and to d. Frozen parameters lose their derivative.
-template <class M> double hold_back(const M& model, const M& start, M& d, const Options& options, float strength) {
-  double loss = 0;
-  std::vector<std::pair<std::string, Range>> names;
-  for_each_parameter(d, [&](const std::string& name, auto&, Range r) { names.push_back({name, r}); });
-  std::size_t i = 0;
-  each([&](float& slope, const float& x, const float& x0) {
-    const auto& [name, range] = names[i++];
-    if (options.frozen(name)) slope = 0;
-    else if (name.find("color") == std::string::npos && name.find("behind") == std::string::npos && name != "mirrored") {
-      const float width = range.high - range.low, off = (x - x0) / width;
-      loss += double(strength * off * off);
-      slope += 2 * strength * off / width;
-    }
-  }, d, model, start);
-  return loss;
-}
-
 /// The panorama's yaw, of eight, under which a few steps on a few of the paint's pixels come closest to the photo.
-float best_yaw(const Options& o, const Inputs& in, const GBuffer& g, const std::vector<Role>& roles, const Photo& photo) {
+float best_yaw(const Options& o, const Inputs& in, const GBuffer& g, const std::vector<Role>& roles,
+               const Photo& photo) {
   const Mask target = photo.of(Role::paint);
   std::vector<int> all, some;
   for (int i = 0; i < g.size(); ++i)
-    if (roles[std::size_t(i)] == Role::paint && target.values[std::size_t(g.pixel[std::size_t(i)])] > 0.5f) all.push_back(i);
+    if (roles[std::size_t(i)] == Role::paint && target.values[std::size_t(g.pixel[std::size_t(i)])] > 0.5f)
+      all.push_back(i);
   for (std::size_t i = 0; i < all.size(); i += 1 + all.size() / 1500) some.push_back(all[i]);
   if (some.empty()) return 0;
   Shot seen;
   seen.parts[0] = g.picked(some);
   const Mask overlap = both(target, seen[Role::paint].frame("coverage"));
   const CarPaint<float> start = first_paint();
+  const Image coarse = resized(in.panorama, 256, 128);
   Image image(g.width, g.height), d_image = image;
   float best = 0;
   double least = 1e9;
   for (const float yaw : {0.0f, 45.0f, 90.0f, 135.0f, 180.0f, 225.0f, 270.0f, 315.0f}) {
-    World world = world_of(o, in, yaw);
+    World world = world_of(o, in, coarse, yaw);
     seen.light = LightOf<float>(Illumination(world.sky, seen[Role::paint], {}, {.rings = Rings::Size::small}));
     const float up = o.exposure > 0 ? 1 : white_point(seen, world, photo);
     world.strength.sky *= up, world.strength.sun *= up;
     const auto look = lit(painted, seen, world);
     FitState state(start, Adam{.rate = 0.05f});
-    fit(state, [&](const CarPaint<float>& model, CarPaint<float>& d) {
-      render(seen[Role::paint], look, model, image);
-      std::fill(d_image.values.begin(), d_image.values.end(), 0.0f);
-      const double loss = masked_l1(image, photo.image, overlap, 1, d_image);
-      backward(seen[Role::paint], look, model, d_image, d);
-      return loss + hold_back(model, start, d, o, o.prior);
-    }, Patience{.steps = 50, .window = 0});
+    fit(
+        state,
+        [&](const CarPaint<float>& model, CarPaint<float>& d) {
+          render(seen[Role::paint], look, model, image);
+          std::fill(d_image.values.begin(), d_image.values.end(), 0.0f);
+          const double loss = masked_l1(image, photo.image, overlap, 1, d_image);
+          backward(seen[Role::paint], look, model, d_image, d);
+          return loss + hold_back(model, start, d, o, o.prior);
+        },
+        Patience{.steps = 50, .window = 0});
     if (state.best_loss < least) least = state.best_loss, best = yaw;
   }
   return best;
 }
 
-/// A part's fit: its state, and what is said about it.
-template <class M> struct Fitted {
-  FitState<M> state;
-  std::vector<double> deviation;  // of every number
-  int pixels = 0;                 // that lie on the photo's part
-  double seconds = 0;
-};
-template <class M, class Look> Fitted<M> fit_part(Role role, const M& start, FitState<M> state, const Look& look, const Shot& from,
-                                                  const World& world, const Photo& photo, const Options& options) {
-  const std::string name = parts::role_names[std::size_t(role)], checkpoint = options.output + "/" + name + ".state.json";
+template <class M, class Look> Fitted<M> fit_part(Role role, const M& start, FitState<M> state, const Look& look,
+                                                  const Shot& from, const World& world, const Photo& photo,
+                                                  const Options& options) {
+  const std::string name = parts::role_names[std::size_t(role)],
+                    checkpoint = options.output + "/" + name + ".state.json";
   const GBuffer& g = from[role];
   const Mask target = photo.of(role), cover = g.frame("coverage"), overlap = both(target, cover);
-  const Statistics statistics(photo.image, role == Role::paint ? target : without_extremes(photo.image, target));
+  const Statistics statistics(photo.image,
+                              role == Role::paint ? target : street::without_extremes(photo.image, target));
   const auto seen = lit(look, from, world);
   const int n = int(std::count_if(overlap.values.begin(), overlap.values.end(), [](float x) { return x > 0; }));
   Progress progress(name);
   Fitted<M> out{std::move(state), {}, n, 0};
   if (n == 0) {
-    progress.finish(g.size() == 0 ? "not seen in the model: left as it is" : "not where the photo has it: left as it is");
+    progress.finish(g.size() == 0 ? "not seen in the model: left as it is"
+                                  : "not where the photo has it: left as it is");
     return out;
   }
   Image image(photo.image.width, photo.image.height), d_image = image;
   const Weights weights = weights_of(role);
   const auto save = [&](const FitState<M>& s) { write_text(checkpoint, to_json(s).dump() + "\n"); };
-  fit(out.state, [&](const M& model, M& d) {
-    render(g, seen, model, image);
-    std::fill(d_image.values.begin(), d_image.values.end(), 0.0f);
-    const double loss = masked_l1(image, photo.image, overlap, weights.aligned, d_image) +
-                        part_statistics(image, cover, statistics, weights.statistics, d_image);
-    backward(g, seen, model, d_image, d);
-    const double pull = hold_back(model, start, d, options, float(options.prior / weights.aligned));
-    try {
-      out.state.adam.check(d);
-    } catch (const Error& e) {
-      const auto place = surfel_to_blame(g, seen, model, d_image);
-      if (!place) throw;
-      const int p = g.pixel[std::size_t(*place)];
-      throw Error(std::string(e.what()) + ", pixel (" + std::to_string(p % image.width) + ", " + std::to_string(p / image.width) + ")");
-    }
-    return loss + pull;
-  }, Patience{.steps = options.steps, .window = options.patience}, [&](const FitState<M>& s) {
-    char note[64];
-    std::snprintf(note, sizeof note, "loss %.4f", s.losses.back());
-    progress.show(s.step(), options.steps, note);
-    if (s.step() % 50 == 0) save(s);
-    return !interrupted;
-  });
+  fit(
+      out.state,
+      [&](const M& model, M& d) {
+        render(g, seen, model, image);
+        std::fill(d_image.values.begin(), d_image.values.end(), 0.0f);
+        const double loss = masked_l1(image, photo.image, overlap, weights.aligned, d_image) +
+                            part_statistics(image, cover, statistics, weights.statistics, d_image);
+        backward(g, seen, model, d_image, d);
+        const double pull = hold_back(model, start, d, options, float(options.prior / weights.aligned));
+        try {
+          out.state.adam.check(d);
+        } catch (const Error& e) {
+          const auto place = surfel_to_blame(g, seen, model, d_image);
+          if (!place) throw;
+          const int p = g.pixel[std::size_t(*place)];
+          throw Error(std::string(e.what()) + ", pixel (" + std::to_string(p % image.width) + ", " +
+                      std::to_string(p / image.width) + ")");
+        }
+        return loss + pull;
+      },
+      Patience{.steps = options.steps, .window = options.patience},
+      [&](const FitState<M>& s) {
+        char note[64];
+        std::snprintf(note, sizeof note, "loss %.4f", s.losses.back());
+        progress.show(s.step(), options.steps, note);
+        if (s.step() % 50 == 0) save(s);
+        return !interrupted;
+      });
   save(out.state);
   out.seconds = progress.seconds();
-  out.deviation = deviations<M>(out.state.best, [&](const M& m) { return render(g, seen, m); }, photo.image, overlap,
-                                [&](const std::string& parameter) { return !options.frozen(parameter); });
+  out.deviation = fitted::deviations<M>(
+      out.state.best, [&](const M& m) { return render(g, seen, m); }, photo.image, overlap,
+      [&](const std::string& parameter) { return !options.frozen(parameter); });
   char note[128];
-  std::snprintf(note, sizeof note, "%d pixels, %d steps, loss %.4f -> %.4f", n, out.state.step(), out.state.losses.front(), out.state.best_loss);
+  std::snprintf(note, sizeof note, "%d pixels, %d steps, loss %.4f -> %.4f", n, out.state.step(),
+                out.state.losses.front(), out.state.best_loss);
   progress.finish(note);
   return out;
 }
 
-/// A row a number: before, fitted, how sure, range, remarks.
-template <class M> void add_rows(std::vector<std::vector<std::string>>& rows, const std::string& of, const M& before, const Fitted<M>& fitted, const Options& o) {
-  const auto text = [](const char* format, double a, double b = 0) {
-    char t[48];
-    std::snprintf(t, sizeof t, format, a, b);
-    return std::string(t);
-  };
-  std::vector<float> old;
-  each([&](const float& x) { old.push_back(x); }, before);
-  std::size_t i = 0;
-  for_each_parameter(fitted.state.best, [&](const std::string& name, const float& x, Range r) {
-    const double sure = fitted.deviation.empty() ? 0 : fitted.deviation[i];
-    const bool open = sure > 0.2 * double(r.high - r.low);
-    rows.push_back({of + " " + name, text("%.3g", old[i++]), text("%.3g", x), sure > 0 ? "+- " + text("%.2g", sure) : "",
-                    text("%g to %g", r.low, r.high),
-                    o.frozen(name) ? "held" : x <= r.low || x >= r.high ? "at its bound" : open ? "the photo does not tell" : ""});
-  });
-}
-
-// ---- all of it -------------------------------------------------------------------------------------------------------
+// ---- all of it ------------------------------------------------------------------------------------------------------
 
 int run(const Options& o) {
   if (o.threads > 0) set_threads(o.threads);
   Progress whole("");
-  Inputs in = read(o);
+  // Everything is read and checked before any work is done and before anything is written.
+  Fits fits = begin(o);
+  Inputs in = street::read(o);
   std::printf("%s\n", o.vehicle.c_str());
   for (const std::string& line : in.report.lines) std::printf("  %s\n", line.c_str());
   std::printf("read           %s (%.2f s)\n", o.photo.c_str(), whole.seconds());
@@ -371,28 +277,34 @@ int run(const Options& o) {
   Progress seeing("see");
   const Raycaster scene(std::move(in.mesh));
   const GBuffer frame = scene.trace(in.camera);
-  if (frame.size() == 0) throw Error(o.camera + ": the vehicle is not in the picture; it stands at the origin, x ahead, y up, metres");
+  if (frame.size() == 0)
+    throw Error(o.camera + ": the vehicle is not in the picture; it stands at the origin, x ahead, y up, metres");
   const Mask seen_part = frame.frame("coverage");
   double shared = 0, either = 0;
   int x0 = frame.width, x1 = 0, y0 = frame.height, y1 = 0;
   for (int i = 0; i < frame.width * frame.height; ++i) {
     const float a = seen_part.values[std::size_t(i)], b = in.photo.vehicle.values[std::size_t(i)];
     shared += double(std::min(a, b)), either += double(std::max(a, b));
-    if (a > 0 || b > 0.5f) x0 = std::min(x0, i % frame.width), x1 = std::max(x1, i % frame.width), y0 = std::min(y0, i / frame.width), y1 = std::max(y1, i / frame.width);
+    if (a > 0 || b > 0.5f)
+      x0 = std::min(x0, i % frame.width), x1 = std::max(x1, i % frame.width), y0 = std::min(y0, i / frame.width),
+      y1 = std::max(y1, i / frame.width);
   }
-  if (shared == 0) throw Error(o.camera + ": the vehicle lies nowhere on the mask, expected it to be seen where the photo's is");
+  if (shared == 0)
+    throw Error(o.camera + ": the vehicle lies nowhere on the mask, expected it to be seen where the photo's is");
   const int margin = (x1 - x0) / 12 + 4;
   x0 = std::max(x0 - margin, 0), y0 = std::max(y0 - margin, 0);
   const int w = std::min(x1 + margin + 1, frame.width) - x0, h = std::min(y1 + margin + 1, frame.height) - y0;
-  const Camera camera = in.camera.cropped(x0, y0, w, h)
-                            .scaled(std::min(1.0f, std::sqrt(float(o.pixels) / float(frame.size()))));
+  const Camera camera =
+      in.camera.cropped(x0, y0, w, h).scaled(std::min(1.0f, std::sqrt(float(o.pixels) / float(frame.size()))));
   const Photo photo = in.photo.window(x0, y0, w, h, camera);
   const GBuffer g = scene.trace(camera);
   const std::vector<Role> roles = parts::roles_of(g, scene.mesh(), in.roles);
   std::map<std::string, std::array<int, 4>> found;  // how many pixels of a material have which role
-  for (int i = 0; i < g.size(); ++i) ++found[g.parts[std::size_t(g.part[std::size_t(i)])].material][std::size_t(roles[std::size_t(i)])];
+  for (int i = 0; i < g.size(); ++i)
+    ++found[g.parts[std::size_t(g.part[std::size_t(i)])].material][std::size_t(roles[std::size_t(i)])];
   char note[256];
-  std::snprintf(note, sizeof note, "%d pixels of the vehicle; it covers the mask with IoU %.3f", g.size(), shared / either);
+  std::snprintf(note, sizeof note, "%d pixels of the vehicle; it covers the mask with IoU %.3f", g.size(),
+                shared / either);
   seeing.finish(note);
   std::vector<std::vector<std::string>> materials{{"material", "taken as", "pixels"}};
   for (const auto& [material, counts] : found)
@@ -403,28 +315,31 @@ int run(const Options& o) {
       }
 
   Progress lighting("light");
-  std::vector<int> fitted;  // what is not fitted needs no light yet
-  std::vector<Role> fitted_roles;
+  std::vector<int> wanted;  // what is not fitted needs no light yet
+  std::vector<Role> wanted_roles;
   for (int i = 0; i < g.size(); ++i)
-    if (roles[std::size_t(i)] != Role::other) fitted.push_back(i), fitted_roles.push_back(roles[std::size_t(i)]);
-  const float yaw = o.yaw == any_yaw ? best_yaw(o, in, g, roles, photo) : o.yaw;
-  World world = world_of(o, in, yaw);
-  const Shot lit_pixels = shot::gather(world, scene, g.picked(fitted), fitted_roles, Rings::Size::medium);
+    if (roles[std::size_t(i)] != Role::other) wanted.push_back(i), wanted_roles.push_back(roles[std::size_t(i)]);
+  const float yaw = o.yaw == street::any_yaw ? best_yaw(o, in, g, roles, photo) : o.yaw;
+  World world = world_of(o, in, in.panorama, yaw);
+  const Shot lit_pixels = shot::gather(world, scene, g.picked(wanted), wanted_roles, Rings::Size::medium);
   const Mask coverage = g.frame("coverage");
   if (o.exposure <= 0) {
     const float up = white_point(lit_pixels, world, photo);
     world.strength.sky *= up, world.strength.sun *= up;
   }
-  std::snprintf(note, sizeof note, "turned by %.0f degrees, %zu suns, strength %.2f %.2f %.2f, %.0f MB of tables", double(yaw), world.sky.suns.size(), double(world.strength.sky.x),
-                double(world.strength.sky.y), double(world.strength.sky.z), double(lit_pixels.light.bytes()) / 1e6);
+  std::snprintf(note, sizeof note, "turned by %.0f degrees, %zu suns, strength %.2f %.2f %.2f, %.0f MB of tables",
+                double(yaw), world.sky.suns.size(), double(world.strength.sky.x), double(world.strength.sky.y),
+                double(world.strength.sky.z), double(lit_pixels.light.bytes()) / 1e6);
   lighting.finish(note);
 
   // The fits. From here on something is written.
   check_writable(o.output);
   const Vehicle before{first_paint(), {}, {}};
-  const auto paint = fit_part(Role::paint, before.paint, std::move(in.paint), painted, lit_pixels, world, photo, o);
-  const auto window = fit_part(Role::glass, before.window, std::move(in.window), AtRunTime<decltype(glazed)>{&glazed}, lit_pixels, world, photo, o);
-  const auto rubber = fit_part(Role::rubber, before.rubber, std::move(in.rubber), AtRunTime<decltype(painted)>{&painted}, lit_pixels, world, photo, o);
+  const auto paint = fit_part(Role::paint, before.paint, std::move(fits.paint), painted, lit_pixels, world, photo, o);
+  const auto window = fit_part(Role::glass, before.window, std::move(fits.window), AtRunTime<decltype(glazed)>{&glazed},
+                               lit_pixels, world, photo, o);
+  const auto rubber = fit_part(Role::rubber, before.rubber, std::move(fits.rubber),
+                               AtRunTime<decltype(painted)>{&painted}, lit_pixels, world, photo, o);
   const Vehicle after{paint.state.best, window.state.best, rubber.state.best};
   write_model(o.output + "/paint.json", after.paint);
   write_model(o.output + "/glass.json", after.window);
@@ -447,34 +362,51 @@ int run(const Options& o) {
   const auto panel = [&](const Image& image) { return resized(image, wide, high); };
   Image shown = now;
   for (float& x : shown.values) x = detail::to_srgb(x);
-  write_png(o.output + "/fit.png", sheet({{"photo", panel(linear(photo.image))}, {"before", panel(old)}, {"after", panel(now)},
-                                          {"difference, where photo and model overlap", panel(shot::difference(shown, photo.image, coverage, photo.vehicle))}}, 2));
+  write_png(o.output + "/fit.png", sheet({{"photo", panel(linear(photo.image))},
+                                          {"before", panel(old)},
+                                          {"after", panel(now)},
+                                          {"difference, where photo and model overlap",
+                                           panel(shot::difference(shown, photo.image, coverage, photo.vehicle))}},
+                                         2));
   write_png(o.output + "/after.png", now);
   const auto [normals, kinds] = shot::shown_gbuffer(g, roles);
-  write_png(o.output + "/gbuffer.png", sheet({{"normals", panel(normals)}, {"paint red, glass blue, rubber grey, the rest yellow", panel(kinds)}}, 2));
+  write_png(
+      o.output + "/gbuffer.png",
+      sheet({{"normals", panel(normals)}, {"paint red, glass blue, rubber grey, the rest yellow", panel(kinds)}}, 2));
   std::vector<double> losses = paint.state.losses;
   if (!losses.empty()) write_png(o.output + "/loss.png", curve(losses, "loss of the paint, by step"));
 
   std::vector<std::vector<std::string>> rows{{"parameter", "before", "fitted", "", "range", ""}};
-  if (paint.pixels > 0) add_rows(rows, "paint", before.paint, paint, o);
-  if (window.pixels > 0) add_rows(rows, "glass", before.window, window, o);
-  if (rubber.pixels > 0) add_rows(rows, "rubber", before.rubber, rubber, o);
+  if (paint.pixels > 0) fitted::add_rows(rows, "paint", before.paint, paint, o);
+  if (window.pixels > 0) fitted::add_rows(rows, "glass", before.window, window, o);
+  if (rubber.pixels > 0) fitted::add_rows(rows, "rubber", before.rubber, rubber, o);
   Page page("The paint of a vehicle, fitted to a photo");
-  page.text(o.photo + "   |   " + o.vehicle + "   |   " + o.environment + ", turned by " + std::to_string(int(std::lround(yaw))) + " degrees");
-  page.picture(o.output + "/fit.png", "Photo; the model with its first paint; the model with the fitted materials; what is left, where photo and model overlap.");
-  std::snprintf(note, sizeof note, "The paint took %d steps on %d pixels: %.2f s on %d threads. Its loss went from %.4f to %.4f.%s", paint.state.step(), paint.pixels,
-                paint.seconds, threads(), losses.empty() ? 0 : losses.front(), losses.empty() ? 0 : paint.state.best_loss, interrupted ? " It was interrupted." : "");
+  page.text(o.photo + "   |   " + o.vehicle + "   |   " + o.environment + ", turned by " +
+            std::to_string(int(std::lround(yaw))) + " degrees");
+  page.picture(o.output + "/fit.png",
+               "Photo; the model with its first paint; the model with the fitted materials; what is left, where photo "
+               "and model overlap.");
+  std::snprintf(note, sizeof note,
+                "The paint took %d steps on %d pixels: %.2f s on %d threads. Its loss went from %.4f to %.4f.%s",
+                paint.state.step(), paint.pixels, paint.seconds, threads(), losses.empty() ? 0 : losses.front(),
+                losses.empty() ? 0 : paint.state.best_loss, interrupted ? " It was interrupted." : "");
   page.text(note);
   if (!losses.empty())
-    page.picture(o.output + "/loss.png", "By step: mean difference of the pixels where paint lies on paint, plus 0.1 times that of the parts' means "
-                 "and variances, in display values. Glass and rubber: 0.1 times the first, plus the second without the extremes, as "
-                 "wheels and panes of another model do not lie on the photo's.");
+    page.picture(
+        o.output + "/loss.png",
+        "By step: mean difference of the pixels where paint lies on paint, plus 0.1 times that of the parts' means "
+        "and variances, in display values. Glass and rubber: 0.1 times the first, plus the second without the "
+        "extremes, as "
+        "wheels and panes of another model do not lie on the photo's.");
   page.heading("The fitted numbers");
   page.table(rows);
-  page.text("Linear colours; lengths in metres. +- is a standard deviation: how much a number could change and the picture still "
-            "fit as well, given the light. How strong the light was one photo does not tell: brightness of light and paint can be "
-            "exchanged. Here the light is neutral and as strong as a street of middling grey needs to give the photo's mean "
-            "brightness, or as a paint of albedo 0.8 needs to be as bright as this one.");
+  page.text(
+      "Linear colours; lengths in metres. +- is a standard deviation: how much a number could change and the picture "
+      "still "
+      "fit as well, given the light. How strong the light was one photo does not tell: brightness of light and paint "
+      "can be "
+      "exchanged. Here the light is neutral and as strong as a street of middling grey needs to give the photo's mean "
+      "brightness, or as a paint of albedo 0.8 needs to be as bright as this one.");
   page.heading("What the camera sees");
   page.picture(o.output + "/gbuffer.png", "Normals, and what each surface was taken as. gbuffer.exr holds all of it.");
   page.table(materials);
@@ -485,9 +417,11 @@ int run(const Options& o) {
   page.write(o.output + "/report.html");
   drawing.finish("pictures");
   for (const auto& row : rows)
-    if (!row[3].empty()) std::printf("  %-28s %8s %-10s %s\n", row[0].c_str(), row[2].c_str(), row[3].c_str(), row[5].c_str());
-  std::printf("\n%s after %.1f s. %s/fit.png shows it, %s/report.html tells all; %s/paint.json can be read back.\n", interrupted ? "Interrupted" : "Done",
-              whole.seconds(), o.output.c_str(), o.output.c_str(), o.output.c_str());
+    if (!row[3].empty())
+      std::printf("  %-28s %8s %-10s %s\n", row[0].c_str(), row[2].c_str(), row[3].c_str(), row[5].c_str());
+  std::printf("\n%s after %.1f s. %s/fit.png shows it, %s/report.html tells all; %s/paint.json can be read back.\n",
+              interrupted ? "Interrupted" : "Done", whole.seconds(), o.output.c_str(), o.output.c_str(),
+              o.output.c_str());
   return interrupted ? 130 : 0;
 }
 
@@ -495,42 +429,19 @@ int run(const Options& o) {
 
 int main(int argc, char** argv) {
   Options o;
-  CLI::App app{"Fits the paint, glass and rubber of a CAD vehicle to a photo.\n\n"
-               "Without arguments: the white pickup of darknet's dog.jpg, a vehicle of sweethome3d-furniture and a panorama of\n"
-               "blender-data. For your own:\n\n"
-               "  04_fit_material --photo street.jpg --mask car.png --camera street.camera.json \\\n"
-               "                  --vehicle car.glb --environment sky.exr --yaw 40 --output fit\n\n"
-               "The loss of the paint: the mean difference of the pixels where paint lies on paint, plus 0.1 times that of the\n"
-               "parts' means and variances. Glass and rubber: 0.1 times the first plus the second, without the photo's extremes."};
-  app.option_defaults()->take_last();
-  app.add_option("--photo", o.photo, "the photo: any format OpenImageIO reads");
-  app.add_option("--mask", o.mask, "the vehicle in the photo: white, same size");
-  app.add_option("--parts", o.parts, "labels, same size: 1 paint, 2 glass, 3 rubber, 4 other, 0 not the vehicle");
-  app.add_option("--camera", o.camera, "JSON: width height fx fy cx cy position look_at up; the vehicle stands at the origin, x ahead, y up, metres");
-  app.add_option("--vehicle", o.vehicle, "any format Assimp reads; archive.zip:inner/path for a file in a zip archive");
-  app.add_option("--role", o.roles, "material=paint|glass|rubber|other, as often as needed; the rest is guessed")->take_all();
-  app.add_option("--environment", o.environment, "lat-long panorama, EXR or HDR");
-  app.add_option("--yaw", o.yaw, "degrees the panorama is turned about +y; if not given, the best of eight");
-  app.add_option("--exposure", o.exposure, "strength of the light; 0: found from the photo's brightness")->capture_default_str();
-  app.add_option("--pixels", o.pixels, "of the vehicle, at most: a larger photo is made smaller")->check(CLI::Range(100, 100000000))->capture_default_str();
-  app.add_option("--steps", o.steps, "at most")->check(CLI::Range(1, 100000))->capture_default_str();
-  app.add_option("--patience", o.patience, "a fit ends when so many steps gain nothing; 0: never")->check(CLI::Range(0, 100000))->capture_default_str();
-  app.add_option("--rate", o.rate, "of Adam, in parts of every parameter's range")->check(CLI::Range(1e-6f, 1.0f))->capture_default_str();
-  app.add_option("--prior", o.prior, "how strongly what the photo does not tell is held where it began")->check(CLI::Range(0.0f, 10.0f))->capture_default_str();
-  app.add_option("--freeze", o.freeze, "parameters that stay as they are")->take_all()->delimiter(',')->capture_default_str();
-  app.add_option("--resume", o.resume, "go on from the states in this folder");
-  app.add_option("--threads", o.threads, "0: all cores")->check(CLI::Range(0, 1024))->capture_default_str();
-  app.add_option("-o,--output", o.output, "folder for pictures and files")->capture_default_str();
+  CLI::App app{
+      "Fits the paint, glass and rubber of a CAD vehicle to a photo.\n\n"
+      "Without arguments: the white pickup of darknet's dog.jpg, a vehicle of sweethome3d-furniture and a panorama of\n"
+      "blender-data. For your own:\n\n"
+      "  04_fit_material --photo street.jpg --mask car.png --camera street.camera.json \\\n"
+      "                  --vehicle car.glb --environment sky.exr --yaw 40 --output fit\n\n"
+      "The loss of the paint: the mean difference of the pixels where paint lies on paint, plus 0.1 times that of the\n"
+      "parts' means and variances. Glass and rubber: 0.1 times the first plus the second, without the photo's "
+      "extremes."};
+  street::add_options(app, o);
   try {
     app.parse(argc, argv);
-    // The masks and the camera of the default photo lie beside this program's source.
-    const std::string data = BURNISH_EXAMPLES_DATA;
-    if (o.photo == Options{}.photo) {
-      if (o.mask.empty()) o.mask = data + "/dog_pickup.mask.png", o.parts = o.parts.empty() ? data + "/dog_pickup.parts.png" : o.parts;
-      if (o.camera.empty()) o.camera = data + "/dog_pickup.camera.json";
-    }
-    if (o.mask.empty()) throw Error("--mask is missing: which pixels of " + o.photo + " are the vehicle?");
-    if (o.camera.empty()) throw Error("--camera is missing: how was " + o.photo + " taken?");
+    street::complete(o, BURNISH_EXAMPLES_DATA);  // masks and camera of the default photo
     catch_interrupt();
     return run(o);
   } catch (const CLI::ParseError& e) {

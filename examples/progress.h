@@ -29,8 +29,9 @@ public:
     constexpr int width = 28;
     const int filled = of > 0 ? done * width / of : width;
     const double left = done > 0 ? seconds() / done * (of - done) : 0;
-    std::fprintf(stderr, "\r%-14s [%s%s] %3d %%  %s  %.0f s left\033[K", label.c_str(), std::string(std::size_t(filled), '#').c_str(),
-                 std::string(std::size_t(width - filled), '.').c_str(), of > 0 ? 100 * done / of : 100, note.c_str(), left);
+    std::fprintf(stderr, "\r%-14s [%s%s] %3d %%  %s  %.0f s left\033[K", label.c_str(),
+                 std::string(std::size_t(filled), '#').c_str(), std::string(std::size_t(width - filled), '.').c_str(),
+                 of > 0 ? 100 * done / of : 100, note.c_str(), left);
   }
   void finish(const std::string& note) {
     if (isatty(fileno(stderr))) std::fprintf(stderr, "\r\033[K");

@@ -21,7 +21,8 @@ struct Shot {
   LightOf<float> light;
   const GBuffer& operator[](Role r) const { return parts[std::size_t(r)]; }
 };
-inline Shot gather(const World& world, const Raycaster& scene, const GBuffer& g, const std::vector<Role>& roles, Rings::Size rings) {
+inline Shot gather(const World& world, const Raycaster& scene, const GBuffer& g, const std::vector<Role>& roles,
+                   Rings::Size rings) {
   std::vector<int> order;  // the paint's surfels first: they lie together in the light's tables
   std::array<std::vector<int>, 4> places;
   for (std::size_t r = 0; r < 4; ++r)
@@ -46,11 +47,13 @@ inline Image linear(const Image& shown) {
   return out;
 }
 
-/// The vehicle over the photo (display values), as linear light. Pixels where everything is alike are drawn once, others 2 x 2 times.
+/// The vehicle over the photo (display values), as linear light. Pixels where everything is alike are drawn once,
+/// others 2 x 2 times.
 class Compositor {
 public:
   static constexpr int fine = 2;
-  Compositor(const Image& photo, const Camera& camera, const Raycaster& scene, const World& w, const std::vector<parts::GivenRole>& given)
+  Compositor(const Image& photo, const Camera& camera, const Raycaster& scene, const World& w,
+             const std::vector<parts::GivenRole>& given)
       : world(w), background(linear(photo)), width(camera.width * fine) {
     const GBuffer full = scene.trace(camera.scaled(fine), 1);
     const std::vector<Role> roles = parts::roles_of(full, scene.mesh(), given);
@@ -68,13 +71,15 @@ public:
       for (int k = 1; k < hits[p] && alike; ++k)
         alike = full.part[std::size_t(s[std::size_t(k)])] == full.part[std::size_t(s[0])] &&
                 dot(full.at(s[std::size_t(k)]).normal, full.at(s[0]).normal) > 0.995f;
-      for (int k = 0; k < (alike ? 1 : hits[p]); ++k) chosen.push_back(s[std::size_t(k)]), role.push_back(roles[std::size_t(s[std::size_t(k)])]);
+      for (int k = 0; k < (alike ? 1 : hits[p]); ++k)
+        chosen.push_back(s[std::size_t(k)]), role.push_back(roles[std::size_t(s[std::size_t(k)])]);
     }
     shot = gather(world, scene, full.picked(chosen), role, Rings::Size::small);
     const GBuffer& other = shot[Role::other];
     looks = Planes<parts::FileLook>(other.size());
     for (int i = 0; i < other.size(); ++i)
-      looks.set(i, parts::file_look(scene.mesh(), other.parts[std::size_t(other.part[std::size_t(i)])], other.at(i).uv));
+      looks.set(i,
+                parts::file_look(scene.mesh(), other.parts[std::size_t(other.part[std::size_t(i)])], other.at(i).uv));
   }
   /// draw(shot, looks of what is not fitted, image) renders display values, of every role.
   template <class Draw> Image operator()(Draw draw) const {
@@ -105,7 +110,9 @@ private:
   Shot shot;
   Planes<parts::FileLook> looks;
 
-  std::size_t pixel(int p) const { return std::size_t(p / width / fine) * std::size_t(background.width) + std::size_t(p % width / fine); }
+  std::size_t pixel(int p) const {
+    return std::size_t(p / width / fine) * std::size_t(background.width) + std::size_t(p % width / fine);
+  }
 };
 
 /// How far apart two pictures are under both masks; display values in, linear light out.
@@ -121,13 +128,15 @@ inline Image difference(const Image& a, const Image& b, const Mask& mask, const 
 }
 /// Normals as colours, and the roles.
 inline std::pair<Image, Image> shown_gbuffer(const GBuffer& g, const std::vector<Role>& roles) {
-  constexpr std::array<vec3<float>, 4> colors{{{0.75f, 0.2f, 0.15f}, {0.2f, 0.5f, 0.8f}, {0.25f, 0.25f, 0.25f}, {0.8f, 0.7f, 0.3f}}};
+  constexpr std::array<vec3<float>, 4> colors{
+      {{0.75f, 0.2f, 0.15f}, {0.2f, 0.5f, 0.8f}, {0.25f, 0.25f, 0.25f}, {0.8f, 0.7f, 0.3f}}};
   Image normals(g.width, g.height), kinds(g.width, g.height);
   for (int i = 0; i < g.size(); ++i) {
     const int p = g.pixel[std::size_t(i)];
     const Surfel<float> s = g.at(i);
     normals.set(p % g.width, p / g.width, s.normal * 0.5f + vec3<float>(0.5f));
-    kinds.set(p % g.width, p / g.width, colors[std::size_t(roles[std::size_t(i)])] * (0.4f + 0.6f * dot(s.normal, s.view)));
+    kinds.set(p % g.width, p / g.width,
+              colors[std::size_t(roles[std::size_t(i)])] * (0.4f + 0.6f * dot(s.normal, s.view)));
   }
   return {linear(normals), linear(kinds)};
 }

@@ -68,13 +68,15 @@ inline GivenRole parse_role(const std::string& text) {
 /// What a part's words and opacity tell; nothing when they do not.
 inline std::optional<Role> told_role(const Part& p) {
   constexpr auto tell = [](const std::string& w, float opacity) -> std::optional<Role> {
-    const bool lamp = any_of(w, {"light", "lamp", "optic", "_red", "orange", "yellow", "white", "indicator", "blinker", "luz"});
+    const bool lamp =
+        any_of(w, {"light", "lamp", "optic", "_red", "orange", "yellow", "white", "indicator", "blinker", "luz"});
     if (any_of(w, {"glass", "window", "windsh", "windsc", "vitre", "verre", "_glas", "vidro"}))
       return lamp && opacity > 0.85f ? Role::other : Role::glass;
     if (any_of(w, {"tire", "tyre", "rubber", "pneu", "borracha"})) return Role::rubber;
-    if (lamp || any_of(w, {"chrom", "interior", "interna", "seat", "plate", "mirror", "black", "grill", "doorline", "door_line",
-                           "_rim", "alloy", "hubcap", "metal_", "steel", "plastic", "logo", "badge", "under", "exhaust",
-                           "engine", "reflector", "shadow", "lowpart", "holes", "textured", "brake", "caliper"}))
+    if (lamp || any_of(w, {"chrom",     "interior", "interna",   "seat",  "plate",    "mirror",  "black",
+                           "grill",     "doorline", "door_line", "_rim",  "alloy",    "hubcap",  "metal_",
+                           "steel",     "plastic",  "logo",      "badge", "under",    "exhaust", "engine",
+                           "reflector", "shadow",   "lowpart",   "holes", "textured", "brake",   "caliper"}))
       return Role::other;
     return {};
   };
@@ -87,7 +89,8 @@ inline std::optional<Role> told_role(const Part& p) {
 
 /// A role for every surfel. The paint is the material of the largest seen area among what nothing is told of, one that
 /// is called so before others. Where a texture shows that a part is not all of one kind (dark seams and windows or
-/// small coloured lamps on a painted body, a bright rim in a tyre), those surfels are `other`. Error for a given material that the file has not.
+/// small coloured lamps on a painted body, a bright rim in a tyre), those surfels are `other`. Error for a given
+/// material that the file has not.
 inline std::vector<Role> roles_of(const GBuffer& g, const Mesh& mesh, const std::vector<GivenRole>& given) {
   const std::size_t n = g.parts.size();
   std::vector<Role> role(n, Role::other);
@@ -111,10 +114,13 @@ inline std::vector<Role> roles_of(const GBuffer& g, const Mesh& mesh, const std:
   for (int i = 0; i < g.size(); ++i) {
     const Part& p = g.parts[std::size_t(g.part[std::size_t(i)])];
     if (!open[std::size_t(g.part[std::size_t(i)])]) continue;
-    area[p.material_index] += any_of(words(p.material), {"paint", "body", "carroc", "pintura", "firstcolor", "main_color", "lack"}) ? 3 : 1;
+    area[p.material_index] +=
+        any_of(words(p.material), {"paint", "body", "carroc", "pintura", "firstcolor", "main_color", "lack"}) ? 3 : 1;
   }
-  const auto largest = std::max_element(area.begin(), area.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
-  const bool told_paint = std::any_of(given.begin(), given.end(), [](const GivenRole& r) { return r.role == Role::paint; });
+  const auto largest =
+      std::max_element(area.begin(), area.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
+  const bool told_paint =
+      std::any_of(given.begin(), given.end(), [](const GivenRole& r) { return r.role == Role::paint; });
   for (std::size_t i = 0; i < n && !told_paint && largest != area.end(); ++i)
     if (open[i] && g.parts[i].material_index == largest->first) role[i] = Role::paint;
 
@@ -134,7 +140,9 @@ inline std::vector<Role> roles_of(const GBuffer& g, const Mesh& mesh, const std:
   }
   std::map<int, vec3<float>> main;  // the mean of the most frequent step
   for (const auto& [part, counts] : shades) {
-    const int most = std::max_element(counts.begin(), counts.end(), [](const auto& a, const auto& b) { return a.second < b.second; })->first;
+    const int most = std::max_element(counts.begin(), counts.end(), [](const auto& a, const auto& b) {
+                       return a.second < b.second;
+                     })->first;
     vec3<float> sum;
     float count = 0;
     for (std::size_t i = 0; i < out.size(); ++i)
@@ -173,15 +181,19 @@ inline FileLook<float> file_look(const Mesh& mesh, const Part& p, const vec2<flo
   const std::string w = words(p.material, p.name);
   const vec3<float>& c = p.base_color;
   const bool untold = p.texture < 0 && c.x == c.y && c.y == c.z && c.x > 0.45f;  // exporters' defaults are light greys
-  const auto grey = [&](float x) { if (untold) look.base_color = {x, x, x}; };
+  const auto grey = [&](float x) {
+    if (untold) look.base_color = {x, x, x};
+  };
   if (any_of(w, {"chrom", "mirror", "reflector"})) grey(0.6f), look.base_metalness = 1, look.specular_roughness = 0.12f;
-  else if (any_of(w, {"alloy", "_rim", "hubcap", "steel", "metal_", "exhaust"})) grey(0.5f), look.base_metalness = 0.9f, look.specular_roughness = 0.35f;
+  else if (any_of(w, {"alloy", "_rim", "hubcap", "steel", "metal_", "exhaust"}))
+    grey(0.5f), look.base_metalness = 0.9f, look.specular_roughness = 0.35f;
   else if (any_of(w, {"red", "tail", "brake"}) && any_of(w, {"light", "lamp", "glass"})) {
     if (untold) look.base_color = {0.25f, 0.01f, 0.01f};
     look.specular_roughness = 0.15f;
   } else if (any_of(w, {"light", "lamp", "optic", "glass"})) grey(0.55f), look.specular_roughness = 0.12f;
   else if (any_of(w, {"black", "plastic", "grill", "line"})) grey(0.03f), look.specular_roughness = 0.4f;
-  else if (any_of(w, {"interior", "seat", "under", "shadow", "lowpart", "hole", "engine"})) grey(0.04f), look.specular_roughness = 0.8f;
+  else if (any_of(w, {"interior", "seat", "under", "shadow", "lowpart", "hole", "engine"}))
+    grey(0.04f), look.specular_roughness = 0.8f;
   else if (any_of(w, {"wheel", "wheek"})) look.base_metalness = 0.5f, look.specular_roughness = 0.35f;
   return look;
 }

@@ -51,10 +51,12 @@ inline Image sheet(const std::vector<Panel>& panels, int columns) {
   for (int i = 0; i < int(panels.size()); ++i)
     for (int y = 0; y < h; ++y)
       for (int x = 0; x < w; ++x)
-        out.set(gap + i % columns * (w + gap) + x, gap + bar + i / columns * (h + bar + gap) + y, panels[std::size_t(i)].image.at(x, y));
+        out.set(gap + i % columns * (w + gap) + x, gap + bar + i / columns * (h + bar + gap) + y,
+                panels[std::size_t(i)].image.at(x, y));
   OIIO::ImageBuf b = detail::buffer_of(out);
   for (int i = 0; i < int(panels.size()); ++i)
-    detail::write_on(b, gap + 4 + i % columns * (w + gap), gap + 19 + i / columns * (h + bar + gap), panels[std::size_t(i)].caption, 16, 0.8f);
+    detail::write_on(b, gap + 4 + i % columns * (w + gap), gap + 19 + i / columns * (h + bar + gap),
+                     panels[std::size_t(i)].caption, 16, 0.8f);
   return detail::image_of(b);
 }
 
@@ -74,7 +76,9 @@ inline Image curve(const std::vector<double>& values, const std::string& title) 
     const double t = logarithmic ? std::log(v / low) / std::log(high / low) : (v - low) / (high - low);
     return int(std::lround(h - bottom - t * (h - top - bottom)));
   };
-  const auto across = [&](std::size_t i) { return left + int(double(i) * (w - left - right) / std::max<double>(1, double(values.size()) - 1)); };
+  const auto across = [&](std::size_t i) {
+    return left + int(double(i) * (w - left - right) / std::max<double>(1, double(values.size()) - 1));
+  };
   for (int k = 0; k <= 4; ++k) {
     const double v = logarithmic ? low * std::pow(high / low, k / 4.0) : low + (high - low) * k / 4.0;
     OIIO::ImageBufAlgo::render_line(b, left, place(v), w - right, place(v), grid);
@@ -87,7 +91,8 @@ inline Image curve(const std::vector<double>& values, const std::string& title) 
   OIIO::ImageBufAlgo::render_line(b, left, top, left, h - bottom, axis);
   for (std::size_t i = 1; i < values.size(); ++i)
     for (const int thick : {0, 1})
-      OIIO::ImageBufAlgo::render_line(b, across(i - 1), place(values[i - 1]) + thick, across(i), place(values[i]) + thick, line);
+      OIIO::ImageBufAlgo::render_line(b, across(i - 1), place(values[i - 1]) + thick, across(i),
+                                      place(values[i]) + thick, line);
   return detail::image_of(b);
 }
 
@@ -98,7 +103,8 @@ inline std::string base64_of(const std::string& path) {
   std::string out;
   for (std::size_t i = 0; i < bytes.size(); i += 3) {
     unsigned group = 0;
-    for (std::size_t k = 0; k < 3; ++k) group = group << 8 | (i + k < bytes.size() ? static_cast<unsigned char>(bytes[i + k]) : 0u);
+    for (std::size_t k = 0; k < 3; ++k)
+      group = group << 8 | (i + k < bytes.size() ? static_cast<unsigned char>(bytes[i + k]) : 0u);
     for (int k = 0; k < 4; ++k) out += i + std::size_t(k) > bytes.size() ? '=' : digits[group >> (18 - 6 * k) & 63];
   }
   return out;
@@ -115,17 +121,19 @@ inline std::string escaped(const std::string& text) {
 class Page {
 public:
   explicit Page(const std::string& title)
-      : html("<!doctype html>\n<html lang=\"en\"><meta charset=\"utf-8\">\n<title>" + escaped(title) +
-             "</title>\n<style>body{font:16px/1.5 system-ui,sans-serif;max-width:1180px;margin:2em auto;padding:0 1em;"
-             "background:#16181b;color:#ddd}img{max-width:100%;border-radius:4px}table{border-collapse:collapse}td,th{"
-             "padding:.15em 1em .15em 0;text-align:left;font-variant-numeric:tabular-nums}th{color:#999;font-weight:500}"
-             "figure{margin:1.5em 0}figcaption{color:#999}</style>\n<h1>" + escaped(title) + "</h1>\n") {}
+      : html(
+            "<!doctype html>\n<html lang=\"en\"><meta charset=\"utf-8\">\n<title>" + escaped(title) +
+            "</title>\n<style>body{font:16px/1.5 system-ui,sans-serif;max-width:1180px;margin:2em auto;padding:0 1em;"
+            "background:#16181b;color:#ddd}img{max-width:100%;border-radius:4px}table{border-collapse:collapse}td,th{"
+            "padding:.15em 1em .15em 0;text-align:left;font-variant-numeric:tabular-nums}th{color:#999;font-weight:500}"
+            "figure{margin:1.5em 0}figcaption{color:#999}</style>\n<h1>" +
+            escaped(title) + "</h1>\n") {}
   void text(const std::string& words) { html += "<p>" + escaped(words) + "</p>\n"; }
   void heading(const std::string& words) { html += "<h2>" + escaped(words) + "</h2>\n"; }
   /// A PNG, embedded.
   void picture(const std::string& path, const std::string& caption) {
-    html += "<figure><img alt=\"" + escaped(caption) + "\" src=\"data:image/png;base64," + base64_of(path) + "\"><figcaption>" +
-            escaped(caption) + "</figcaption></figure>\n";
+    html += "<figure><img alt=\"" + escaped(caption) + "\" src=\"data:image/png;base64," + base64_of(path) +
+            "\"><figcaption>" + escaped(caption) + "</figcaption></figure>\n";
   }
   /// The first row is the head.
   void table(const std::vector<std::vector<std::string>>& rows) {

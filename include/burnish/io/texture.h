@@ -47,7 +47,10 @@ public:
   /// files: Assimp's, whole or an archive's; path: of the scene in it.
   Textures(const aiScene& scene, Assimp::IOSystem& files, const std::string& path, std::vector<Image>& images,
            MeshReport* report)
-      : scene_(scene), files_(files), folder_(std::filesystem::path(path).parent_path()), images_(images),
+      : scene_(scene),
+        files_(files),
+        folder_(std::filesystem::path(path).parent_path()),
+        images_(images),
         report_(report) {}
 
   /// The place among the images of a material's base colour or diffuse texture; -1 for none.
@@ -97,8 +100,8 @@ private:
     std::replace(plain.begin(), plain.end(), '\\', '/');
     const std::filesystem::path file = std::filesystem::path(plain), base = file.filename();
     // As named, or where exporters leave them.
-    for (const auto& place : {folder_ / file, folder_ / base, folder_ / "textures" / base,
-                              folder_ / ".." / "textures" / base}) {
+    for (const auto& place :
+         {folder_ / file, folder_ / base, folder_ / "textures" / base, folder_ / ".." / "textures" / base}) {
       const std::string at = place.lexically_normal().string();
       if (!files_.Exists(at.c_str())) continue;
       Assimp::IOStream* stream = files_.Open(at.c_str(), "rb");

@@ -1,0 +1,164 @@
+// examples/street.h -- a street photo and what belongs to it: read and checked before any work is done
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <CLI/CLI.hpp>
+#include <burnish/io/camera.h>
+#include <burnish/io/mesh.h>
+#include <burnish/io/photo.h>
+#include <burnish/math/color.h>
+#include "vehicle_parts.h"
+
+namespace street {
+using namespace burnish;
+using parts::Role;
+
+inline constexpr float any_yaw = 1000;
+struct Options {
+  std::string photo = "/usr/share/darknet/data/dog.jpg", mask, parts, camera;
+  std::string vehicle = "/usr/share/sweethome3d/furniture/Scopia.sh3f:scopia/suv/suv.obj";
+  std::string environment = "/usr/share/blender/datafiles/studiolights/world/city.exr";
+  std::string output = "burnish-fit", resume;
+  std::vector<std::string> roles, freeze = {"tint",
+                                            "coat_ior",
+                                            "mottle.size",
+                                            "flakes.size",
+                                            "flakes.resolved",
+                                            "glass.base_color",
+                                            "glass.specular_roughness",
+                                            "glass.specular_ior",
+                                            "specular_ior"};
+  float yaw = any_yaw, exposure = 0, rate = 0.02f, prior = 0.02f;
+  int steps = 300, patience = 50, threads = 0, pixels = 40000;
+
+  /// Whether a parameter, or what it is a member of, is frozen.
+  bool frozen(const std::string& parameter) const {
+    return std::any_of(freeze.begin(), freeze.end(),
+                       [&](const auto& f) { return parameter == f || parameter.rfind(f + ".", 0) == 0; });
+  }
+};
+
+inline void add_options(CLI::App& app, Options& o) {
+  app.option_defaults()->take_last();
+  app.add_option("--photo", o.photo, "the photo: any format OpenImageIO reads");
+  app.add_option("--mask", o.mask, "the vehicle in the photo: white, same size");
+  app.add_option("--parts", o.parts, "labels, same size: 1 paint, 2 glass, 3 rubber, 4 other, 0 not the vehicle");
+  app.add_option(
+      "--camera", o.camera,
+      "JSON: width height fx fy cx cy position look_at up; the vehicle stands at the origin, x ahead, y up, metres");
+  app.add_option("--vehicle", o.vehicle, "any format Assimp reads; archive.zip:inner/path for a file in a zip archive");
+  app.add_option("--role", o.roles, "material=paint|glass|rubber|other, as often as needed; the rest is guessed")
+      ->take_all();
+  app.add_option("--environment", o.environment, "lat-long panorama, EXR or HDR");
+  app.add_option("--yaw", o.yaw, "degrees the panorama is turned about +y; if not given, the best of eight");
+  app.add_option("--exposure", o.exposure, "strength of the light; 0: found from the photo's brightness")
+      ->capture_default_str();
+  app.add_option("--pixels", o.pixels, "of the vehicle, at most: a larger photo is made smaller")
+      ->check(CLI::Range(100, 100000000))
+      ->capture_default_str();
+  app.add_option("--steps", o.steps, "at most")->check(CLI::Range(1, 100000))->capture_default_str();
+  app.add_option("--patience", o.patience, "a fit ends when so many steps gain nothing; 0: never")
+      ->check(CLI::Range(0, 100000))
+      ->capture_default_str();
+  app.add_option("--rate", o.rate, "of Adam, in parts of every parameter's range")
+      ->check(CLI::Range(1e-6f, 1.0f))
+      ->capture_default_str();
+  app.add_option("--prior", o.prior, "how strongly what the photo does not tell is held where it began")
+      ->check(CLI::Range(0.0f, 10.0f))
+      ->capture_default_str();
+  app.add_option("--freeze", o.freeze, "parameters that stay as they are")
+      ->take_all()
+      ->delimiter(',')
+      ->capture_default_str();
+  app.add_option("--resume", o.resume, "go on from the states in this folder");
+  app.add_option("--threads", o.threads, "0: all cores")->check(CLI::Range(0, 1024))->capture_default_str();
+  app.add_option("-o,--output", o.output, "folder for pictures and files")->capture_default_str();
+}
+/// Fills in what was not given. data: the folder with the masks and the camera of the default photo.
+inline void complete(Options& o, const std::string& data) {
+  if (o.photo == Options{}.photo) {
+    if (o.mask.empty())
+      o.mask = data + "/dog_pickup.mask.png", o.parts = o.parts.empty() ? data + "/dog_pickup.parts.png" : o.parts;
+    if (o.camera.empty()) o.camera = data + "/dog_pickup.camera.json";
+  }
+  if (o.mask.empty()) throw Error("--mask is missing: which pixels of " + o.photo + " are the vehicle?");
+  if (o.camera.empty()) throw Error("--camera is missing: how was " + o.photo + " taken?");
+}
+
+inline Mask both(Mask a, const Mask& b) {
+  for (std::size_t i = 0; i < a.values.size(); ++i) a.values[i] *= b.values[i];
+  return a;
+}
+/// The mask less the tenth of its pixels that is brightest and the tenth that is darkest.
+inline Mask without_extremes(const Image& image, Mask mask) {
+  const auto y = [&](std::size_t i) {
+    return luminance(vec3<float>(image.plane(0)[i], image.plane(1)[i], image.plane(2)[i]));
+  };
+  std::vector<float> all;
+  for (std::size_t i = 0; i < mask.values.size(); ++i)
+    if (mask.values[i] > 0.5f) all.push_back(y(i));
+  std::sort(all.begin(), all.end());
+  for (std::size_t i = 0; i < mask.values.size() && !all.empty(); ++i)
+    if (mask.values[i] > 0 && (y(i) < all[all.size() / 10] || y(i) > all[all.size() - 1 - all.size() / 10]))
+      mask.values[i] = 0;
+  return mask;
+}
+
+struct Photo {
+  Image image;             // as the camera developed it: sRGB values 0 to 1
+  Mask vehicle;            // 0 to 1
+  std::vector<int> label;  // of each pixel: 1 paint, 2 glass, 3 rubber, 4 other, 0 not the vehicle; empty: not known
+
+  /// The window that the vehicle is in, made smaller by a factor.
+  Photo window(int x, int y, int w, int h, const Camera& camera) const {
+    Photo p{resized(cropped(image, x, y, w, h), camera.width, camera.height),
+            resized(cropped(vehicle, x, y, w, h), camera.width, camera.height),
+            {}};
+    for (int i = 0; i < camera.width * camera.height && !label.empty(); ++i) {
+      const int px = x + (i % camera.width * 2 + 1) * w / (2 * camera.width),
+                py = y + (i / camera.width * 2 + 1) * h / (2 * camera.height);
+      const bool inside = px >= 0 && px < image.width && py >= 0 && py < image.height;
+      p.label.push_back(inside ? label[std::size_t(py) * std::size_t(image.width) + std::size_t(px)] : 0);
+    }
+    return p;
+  }
+  Mask of(Role role) const {
+    if (label.empty()) return role == Role::paint ? vehicle : Mask(vehicle.width, vehicle.height);
+    Mask m = vehicle;
+    for (std::size_t i = 0; i < label.size(); ++i) m.values[i] *= label[i] == int(role) + 1 ? 1.0f : 0.0f;
+    return m;
+  }
+};
+struct Inputs {
+  Photo photo;
+  Camera camera;
+  Image panorama;
+  Mesh mesh;
+  MeshReport report;
+  std::vector<parts::GivenRole> roles;
+};
+/// Error for whatever is wrong with any of it.
+inline Inputs read(const Options& o) {
+  Inputs in;
+  for (const std::string& r : o.roles) in.roles.push_back(parts::parse_role(r));
+  const Image photo = read_photo(o.photo);
+  in.photo.image = Image(photo.width, photo.height);
+  for (std::size_t i = 0; i < photo.values.size(); ++i)
+    in.photo.image.values[i] = detail::to_srgb(std::clamp(photo.values[i], 0.0f, 1.0f));
+  in.photo.vehicle = read_mask(o.mask, photo.width, photo.height);
+  if (!o.parts.empty()) in.photo.label = read_labels(o.parts, photo.width, photo.height);
+  const auto empty = [](const Mask& m) {
+    return std::none_of(m.values.begin(), m.values.end(), [](float x) { return x > 0.5f; });
+  };
+  if (empty(in.photo.vehicle)) throw Error(o.mask + ": no pixel is white, expected the vehicle to be");
+  if (empty(in.photo.of(Role::paint)))
+    throw Error(o.parts + ": no pixel on the mask is labelled 1, expected the vehicle's paint to be");
+  in.camera = read_camera(o.camera);
+  if (in.camera.width != photo.width || in.camera.height != photo.height)
+    throw Error(o.camera + ": camera " + std::to_string(in.camera.width) + " x " + std::to_string(in.camera.height) +
+                ", photo " + std::to_string(photo.width) + " x " + std::to_string(photo.height) + ": they must agree");
+  in.panorama = read_photo(o.environment);
+  in.mesh = read_vehicle(o.vehicle, &in.report);
+  return in;
+}
+
+}  // namespace street
