@@ -7,6 +7,7 @@
 // call the C library lane by lane.
 #pragma once
 #include <burnish/ad/number.h>
+#include <burnish/ad/wide.h>
 #pragma GCC diagnostic ignored \
     "-Wpsabi"  // packets are passed by value, in memory where the machine has no such register
 
@@ -23,21 +24,11 @@ namespace burnish {
 inline constexpr int lanes = 16;
 
 namespace detail {
-template <class S, int N> struct vectors;  // spelled out: g++ 12 forgets an attribute that depends on the template
-template <> struct vectors<float, 8> {
-  typedef float V __attribute__((vector_size(32)));
-  typedef std::int32_t I __attribute__((vector_size(32)));
-  typedef std::uint32_t U __attribute__((vector_size(32)));
-};
-template <> struct vectors<float, 16> {
-  typedef float V __attribute__((vector_size(64)));
-  typedef std::int32_t I __attribute__((vector_size(64)));
-  typedef std::uint32_t U __attribute__((vector_size(64)));
-};
-template <> struct vectors<double, 8> {
-  typedef double V __attribute__((vector_size(64)));
-  typedef std::int64_t I __attribute__((vector_size(64)));
-  typedef std::uint64_t U __attribute__((vector_size(64)));
+template <class S, int N> struct vectors {
+  static_assert(std::is_same_v<S, float> || std::is_same_v<S, double>);
+  using V = vector_t<S, N>;
+  using I = vector_t<std::conditional_t<sizeof(S) == 4, std::int32_t, std::int64_t>, N>;
+  using U = vector_t<std::conditional_t<sizeof(S) == 4, std::uint32_t, std::uint64_t>, N>;
 };
 }  // namespace detail
 
@@ -55,12 +46,8 @@ template <class S, int N> struct Packet {
   Packet(S x) : v(x - V{}) {}
   template <class A> requires(std::is_arithmetic_v<A> && !std::is_same_v<A, S>) Packet(A x) : Packet(S(x)) {}
 
-  static Packet load(const S* from) {
-    Packet r;
-    __builtin_memcpy(&r.v, from, sizeof(V));
-    return r;
-  }
-  void store(S* to) const { __builtin_memcpy(to, &v, sizeof(V)); }
+  static Packet load(const S* from) { return detail::load<V>(from); }
+  void store(S* to) const { detail::store(v, to); }
   S operator[](int lane) const { return v[lane]; }
 
   friend Packet operator+(Packet a, Packet b) {
@@ -93,15 +80,17 @@ template <class S, int N> struct Packet {
   friend Mask operator>(Packet a, Packet b) { return {a.v > b.v}; }
   friend Mask operator<=(Packet a, Packet b) { return {a.v <= b.v}; }
   friend Mask operator>=(Packet a, Packet b) { return {a.v >= b.v}; }
-  friend Packet select(Mask m, Packet a, Packet b) { return V(m.m ? a.v : b.v); }
-  friend Packet max(Packet a, Packet b) { return V(a.v > b.v ? a.v : b.v); }
-  friend Packet min(Packet a, Packet b) { return V(a.v < b.v ? a.v : b.v); }
-  friend Packet abs(Packet a) { return V(a.v < 0 ? -a.v : a.v); }
+  friend Packet select(Mask m, Packet a, Packet b) { return detail::blend(m.m, a.v, b.v); }
+  friend Packet max(Packet a, Packet b) { return detail::higher(a.v, b.v); }
+  friend Packet min(Packet a, Packet b) { return detail::lower(a.v, b.v); }
+  friend Packet abs(Packet a) { return detail::blend(a.v < 0, -a.v, a.v); }
 
   /// All lanes added, in the order of the lanes.
   S sum() const {
-    S s = v[0];
-    for (int i = 1; i < N; ++i) s += v[i];
+    S lane[N];
+    store(lane);
+    S s = lane[0];
+    for (int i = 1; i < N; ++i) s += lane[i];
     return s;
   }
 };
@@ -114,19 +103,13 @@ template <class S, int N> struct whole<Packet<S, N>> {
 };
 /// Toward zero; |x| < 2^31 in float.
 template <class S, int N> typename Packet<S, N>::I to_int(Packet<S, N> a) {
-  return __builtin_convertvector(a.v, typename Packet<S, N>::I);
+  return detail::convert<typename Packet<S, N>::I>(a.v);
 }
 template <class T> requires is_packet<T> T to_real(typename T::I a) {
-  return T(__builtin_convertvector(a, typename T::V));
+  return T(detail::convert<typename T::V>(a));
 }
 
 namespace detail {
-template <class To, class From> To bits(From a) {
-  static_assert(sizeof(To) == sizeof(From));
-  To r;
-  __builtin_memcpy(&r, &a, sizeof r);
-  return r;
-}
 template <class P, class F> P each_lane(P a, F f) {
   P r;
   for (int i = 0; i < int(sizeof(P) / sizeof(a.v[0])); ++i) r.v[i] = f(a.v[i]);
@@ -145,51 +128,9 @@ template <class P, class... C> [[gnu::always_inline]] inline P polynomial(P x, f
 }
 }  // namespace detail
 
-namespace detail {
-// The compilers' own names for the instructions: the header that gives them others costs a quarter of a second to read.
-typedef float Float4 __attribute__((vector_size(16)));
-typedef float Float8 __attribute__((vector_size(32)));
-typedef float Float16 __attribute__((vector_size(64)));
-#if defined(__has_builtin) && __has_builtin(__builtin_elementwise_sqrt)
-inline Float4 root(Float4 x) { return __builtin_elementwise_sqrt(x); }
-inline Float8 root(Float8 x) { return __builtin_elementwise_sqrt(x); }
-inline Float16 root(Float16 x) { return __builtin_elementwise_sqrt(x); }
-#define BURNISH_ROOT 64
-#elif defined(__SSE2__)
-inline Float4 root(Float4 x) { return __builtin_ia32_sqrtps(x); }
-#define BURNISH_ROOT 16
-#if defined(__AVX__)
-inline Float8 root(Float8 x) { return __builtin_ia32_sqrtps256(x); }
-#undef BURNISH_ROOT
-#define BURNISH_ROOT 32
-#endif
-#if defined(__AVX512F__)
-#if defined(__clang__)
-inline Float16 root(Float16 x) { return __builtin_ia32_sqrtps512(x, 4); }
-#else
-inline Float16 root(Float16 x) { return __builtin_ia32_sqrtps512_mask(x, Float16{}, -1, 4); }
-#endif
-#undef BURNISH_ROOT
-#define BURNISH_ROOT 64
-#endif
-#endif
-}  // namespace detail
-
 template <class S, int N> [[gnu::always_inline]] inline Packet<S, N> sqrt(Packet<S, N> a) {
-#if defined(BURNISH_ROOT)
-  if constexpr (sizeof(S) == 4) {
-    using Piece = std::conditional_t<(BURNISH_ROOT >= 64 && N >= 16), detail::Float16,
-                                     std::conditional_t<(BURNISH_ROOT >= 32), detail::Float8, detail::Float4>>;
-    for (std::size_t i = 0; i < sizeof a; i += sizeof(Piece)) {
-      Piece x;
-      __builtin_memcpy(&x, reinterpret_cast<char*>(&a.v) + i, sizeof x);
-      x = detail::root(x);
-      __builtin_memcpy(reinterpret_cast<char*>(&a.v) + i, &x, sizeof x);
-    }
-    return a;
-  } else
-#endif
-    return detail::each_lane(a, [](S x) { return std::sqrt(x); });
+  if constexpr (sizeof(S) == 8) return detail::each_lane(a, [](S x) { return std::sqrt(x); });
+  else return detail::root(a.v);
 }
 template <class S, int N> Packet<S, N> rsqrt(Packet<S, N> a) { return Packet<S, N>(1) / sqrt(a); }
 
@@ -202,9 +143,7 @@ template <class S, int N> [[gnu::always_inline]] inline Packet<S, N> floor(Packe
 }
 /// from[i] in every lane; i is not checked. gather<T>(from, i) for any T.
 template <class T> requires is_packet<T> [[gnu::always_inline]] inline T gather(const float* from, typename T::I i) {
-  T r;
-  for (int k = 0; k < T::size; ++k) r.v[k] = typename T::Scalar(from[i[k]]);
-  return r;
+  return detail::gathered<typename T::V>(from, i);
 }
 
 /// Overflows to infinity above 88.7, reaches zero below -87.3.
@@ -303,4 +242,3 @@ template <class S, int N> Packet<S, N> tanh(Packet<S, N> a) {
 }  // namespace burnish
 
 #undef BURNISH_FUSE
-#undef BURNISH_ROOT

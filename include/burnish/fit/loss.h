@@ -18,7 +18,7 @@ namespace detail::losses {
 /// Eight pixels of an image; what they sum to is kept in eight doubles.
 using Pixels = Packet<float, 8>;
 using Sums = Packet<double, 8>;
-inline Sums to_double(const Pixels& x) { return Sums(__builtin_convertvector(x.v, Sums::V)); }
+inline Sums to_double(const Pixels& x) { return Sums(convert<Sums::V>(x.v)); }
 
 // By bits, as g++ 12 takes comparisons apart where a packet is wider than the machine's registers.
 inline constexpr std::uint32_t magnitude = 0x7fffffff;

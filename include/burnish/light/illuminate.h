@@ -157,8 +157,8 @@ private:
       u = place - to_real<T>(k);
       du = t * float(0.25 / step) / r;
       if constexpr (std::is_same_v<T, P>) {
-        constexpr int_t<T> lane = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};
-        const int_t<T> apart = (i - (i[0] & ~15) - lane) | (k - k[0]);
+        constexpr std::array<int, 16> lane = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};
+        const int_t<T> apart = (i - (i[0] & ~15) - detail::bits<int_t<T>>(lane)) | (k - k[0]);
         std::uint64_t bits[8], any = 0;
         __builtin_memcpy(bits, &apart, sizeof bits);
         for (const std::uint64_t b : bits) any |= b;

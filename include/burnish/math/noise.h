@@ -45,16 +45,16 @@ namespace detail {
 /// The lattice coordinate as 32 bits in every lane; a double packet has as many lanes of them.
 template <class T> [[gnu::always_inline]] inline auto lattice_bits(T whole_number) {
   if constexpr (Plain<T>) return std::uint32_t(to_int(whole_number));
-  else return __builtin_convertvector(to_int(whole_number), typename vectors<float, T::size>::U);
+  else return convert<typename vectors<float, T::size>::U>(to_int(whole_number));
 }
 /// The bits of a float in every lane, as T.
 template <class T, class U> [[gnu::always_inline]] inline T real_from_bits(U u) {
   if constexpr (Plain<T>) return T(bits<float>(u));
   else if constexpr (std::is_same_v<typename T::Scalar, float>) return bits<T>(u);
-  else return T(__builtin_convertvector(bits<typename vectors<float, T::size>::V>(u), typename T::V));
+  else return T(convert<typename T::V>(bits<typename vectors<float, T::size>::V>(u)));
 }
 /// a where the bit pattern is not 0, else b.
-template <class U> [[gnu::always_inline]] inline U choose(U bit, U a, U b) { return U(bit != 0 ? a : b); }
+template <class U> [[gnu::always_inline]] inline U choose(U bit, U a, U b) { return blend(bit != 0, a, b); }
 
 template <int K, class U> [[gnu::always_inline]] inline U rotated(U x) { return U(x << K | x >> (32 - K)); }
 /// The last rounds of lookup3 (Jenkins 2006).
