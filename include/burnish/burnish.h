@@ -21,6 +21,7 @@
 #include <burnish/ad/replay.h>
 #include <burnish/ad/strip.h>
 #include <burnish/ad/tape.h>
+#include <burnish/ad/wide.h>
 #include <burnish/math/color.h>
 #include <burnish/math/frame.h>
 #include <burnish/math/noise.h>
