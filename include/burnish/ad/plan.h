@@ -34,9 +34,9 @@ template <class R> constexpr bool in_body(const R& r, int i) {
 }
 /// Cheaper to compute than to keep.
 constexpr bool cheap(const Node& x) {
-  return x.op == &info<op::Add> || x.op == &info<op::Sub> || x.op == &info<op::Mul> || x.op == &info<op::MulAdd> ||
-         x.op == &info<op::Neg> || x.op == &info<op::Max> || x.op == &info<op::Min> || x.op == &info<op::Abs> ||
-         x.op == &info<op::Less> || x.op == &info<op::Select>;
+  return is<op::Add>(x.op) || is<op::Sub>(x.op) || is<op::Mul>(x.op) || is<op::MulAdd>(x.op) ||
+         is<op::Neg>(x.op) || is<op::Max>(x.op) || is<op::Min>(x.op) || is<op::Abs>(x.op) ||
+         is<op::Less>(x.op) || is<op::Select>(x.op);
 }
 /// So many cheap operations are worth keeping their result.
 inline constexpr int dear = 6;

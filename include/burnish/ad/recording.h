@@ -63,7 +63,7 @@ struct Recording {
     n.scatters = op->reads && fitted[std::size_t(resource)];
     n.active = n.scatters;
     for (int k = 0; k < op->inputs; ++k) n.in[k] = in[k];
-    if ((op == &info<op::Add> || op == &info<op::Mul>) && n.in[1] < n.in[0]) std::swap(n.in[0], n.in[1]);
+    if ((is<op::Add>(op) || is<op::Mul>(op)) && n.in[1] < n.in[0]) std::swap(n.in[0], n.in[1]);
     unsigned hash = op->hash + unsigned(resource) * 97u;
     for (int k = 0; k < op->inputs; ++k) {
       const Node& x = nodes[std::size_t(n.in[k])];
@@ -101,7 +101,8 @@ private:
         return slot - 1;
       }
       const Node& x = nodes[std::size_t(slot - 1)];
-      if (x.kind == n.kind && x.op == n.op && x.index == n.index && x.in == n.in &&
+      const bool same_op = n.kind != Kind::operation || (x.kind == n.kind && x.op->hash == n.op->hash);
+      if (x.kind == n.kind && same_op && x.index == n.index && x.in == n.in &&
           std::bit_cast<unsigned>(x.value) == std::bit_cast<unsigned>(n.value))
         return slot - 1;
     }

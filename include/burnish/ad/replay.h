@@ -29,17 +29,17 @@ inline void fuse(Recording& r) {
     return fits && uses[std::size_t(x.in[k])] == 1 ? &m : nullptr;
   };
   for (Node& x : r.nodes) {
-    if (x.kind != Kind::operation || (x.op != &info<op::Add> && x.op != &info<op::Sub>)) continue;
+    if (x.kind != Kind::operation || (!is<op::Add>(x.op) && !is<op::Sub>(x.op))) continue;
     for (const std::size_t k : {0u, 1u}) {
       const Node* const m = part(x, k, &info<op::Mul>);
       if (!m) continue;
-      x.op = x.op == &info<op::Add> ? &info<op::MulAdd> : k == 0 ? &info<op::MulSub> : &info<op::SubMul>;
+      x.op = is<op::Add>(x.op) ? &info<op::MulAdd> : k == 0 ? &info<op::MulSub> : &info<op::SubMul>;
       x.in = {m->in[0], m->in[1], x.in[1 - k]};
       break;
     }
   }
   for (Node& x : r.nodes) {
-    if (x.kind != Kind::operation || x.op != &info<op::MulAdd>) continue;
+    if (x.kind != Kind::operation || !is<op::MulAdd>(x.op)) continue;
     const Node* const m = part(x, 2, &info<op::MulAdd>);
     const Node* const n = m ? part(*m, 2, &info<op::Mul>) : nullptr;
     if (!n) continue;
@@ -49,8 +49,8 @@ inline void fuse(Recording& r) {
 }
 /// The adjoint of input k is that of the output as it is.
 inline bool hands_on(const Info* op, int k) {
-  return op == &info<op::Add> || (op == &info<op::Sub> && k == 0) || (op == &info<op::MulAdd> && k == 2) ||
-         (op == &info<op::SubMul> && k == 2);
+  return is<op::Add>(op) || (is<op::Sub>(op) && k == 0) || (is<op::MulAdd>(op) && k == 2) ||
+         (is<op::SubMul>(op) && k == 2);
 }
 
 }  // namespace detail
@@ -424,13 +424,13 @@ private:
       } else d_x.push_back(adjoint(from) | mode);
     }
     // Products go back one by one, and what is added to them as a sum.
-    const int products = x.op == &info<op::Mul> || x.op == &info<op::MulAdd> ? 1 : x.op == &info<op::Dot3> ? 3 : 0;
+    const int products = is<op::Mul>(x.op) || is<op::MulAdd>(x.op) ? 1 : is<op::Dot3>(x.op) ? 3 : 0;
     for (std::size_t k = 0; k < 2 * at(products); k += 2) {
       const int p = x.in[k], q = x.in[k + 1];
       if (p == q) back_step(b, &info<op::Square>, {operand(p), operand(i)}, d_y, {d_x[k]});
       else back_step(b, &info<op::Mul>, {operand(p), operand(q), operand(i)}, d_y, {d_x[k], d_x[k + 1]});
     }
-    if (x.op == &info<op::MulAdd>)
+    if (is<op::MulAdd>(x.op))
       back_step(b, &info<op::Add>, {operand(x.in[2]), 0, operand(i)}, d_y, {d_x[2], detail::none});
     if (!products) {
       std::vector<int> o;
