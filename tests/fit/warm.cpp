@@ -3,6 +3,7 @@
 #include <burnish/nodes/image.h>
 #include <atomic>
 #include <cstdlib>
+#include <new>
 #include "players.h"
 
 namespace {
@@ -16,6 +17,8 @@ void* operator new(std::size_t n, std::align_val_t a) {
   ++allocations;
   return std::aligned_alloc(std::size_t(a), (n + std::size_t(a) - 1) / std::size_t(a) * std::size_t(a));
 }
+void* operator new(std::size_t n, const std::nothrow_t&) noexcept { return operator new(n); }
+void* operator new(std::size_t n, std::align_val_t a, const std::nothrow_t&) noexcept { return operator new(n, a); }
 void operator delete(void* p) noexcept { std::free(p); }
 void operator delete(void* p, std::size_t) noexcept { std::free(p); }
 void operator delete(void* p, std::align_val_t) noexcept { std::free(p); }
