@@ -296,9 +296,16 @@ int run(const Options& o) {
   const int w = std::min(x1 + margin + 1, frame.width) - x0, h = std::min(y1 + margin + 1, frame.height) - y0;
   const Camera camera =
       in.camera.cropped(x0, y0, w, h).scaled(std::min(1.0f, std::sqrt(float(o.pixels) / float(frame.size()))));
-  const Photo photo = in.photo.window(x0, y0, w, h, camera);
+  Photo photo = in.photo.window(x0, y0, w, h, camera);
   const GBuffer g = scene.trace(camera);
   const std::vector<Role> roles = parts::roles_of(g, scene.mesh(), in.roles);
+  std::string guess;
+  if (photo.label.empty()) {
+    Mask paint(camera.width, camera.height);
+    for (int i = 0; i < g.size(); ++i)
+      if (roles[std::size_t(i)] == Role::paint) paint.values[std::size_t(g.pixel[std::size_t(i)])] = 1;
+    guess = street::label_by_color(photo, paint);
+  }
   std::map<std::string, std::array<int, 4>> found;  // how many pixels of a material have which role
   for (int i = 0; i < g.size(); ++i)
     ++found[g.parts[std::size_t(g.part[std::size_t(i)])].material][std::size_t(roles[std::size_t(i)])];
@@ -306,6 +313,7 @@ int run(const Options& o) {
   std::snprintf(note, sizeof note, "%d pixels of the vehicle; it covers the mask with IoU %.3f", g.size(),
                 shared / either);
   seeing.finish(note);
+  if (!guess.empty()) std::printf("  %s\n", guess.c_str());
   std::vector<std::vector<std::string>> materials{{"material", "taken as", "pixels"}};
   for (const auto& [material, counts] : found)
     for (std::size_t r = 0; r < 4; ++r)
@@ -410,6 +418,7 @@ int run(const Options& o) {
   page.heading("What the camera sees");
   page.picture(o.output + "/gbuffer.png", "Normals, and what each surface was taken as. gbuffer.exr holds all of it.");
   page.table(materials);
+  if (!guess.empty()) page.text(guess);
   page.heading("What was done to the vehicle's file");
   for (const std::string& line : in.report.lines) page.text(line);
   std::snprintf(note, sizeof note, "%.1f s from start to end.", whole.seconds());

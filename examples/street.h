@@ -41,7 +41,9 @@ inline void add_options(CLI::App& app, Options& o) {
   app.option_defaults()->take_last();
   app.add_option("--photo", o.photo, "the photo: any format OpenImageIO reads");
   app.add_option("--mask", o.mask, "the vehicle in the photo: white, same size");
-  app.add_option("--parts", o.parts, "labels, same size: 1 paint, 2 glass, 3 rubber, 4 other, 0 not the vehicle");
+  app.add_option("--parts", o.parts,
+                 "labels, same size: 1 paint, 2 glass, 3 rubber, 4 other, 0 not the vehicle; if not given, paint is "
+                 "what has the colour of most");
   app.add_option(
       "--camera", o.camera,
       "JSON: width height fx fy cx cy position look_at up; the vehicle stands at the origin, x ahead, y up, metres");
@@ -103,6 +105,45 @@ inline Mask without_extremes(const Image& image, Mask mask) {
   return mask;
 }
 
+/// The mask less what is not its paint, where nobody labelled panes, lamps, tyres and a roof of another colour. These
+/// are grey as a rule; so where three tenths or more have a colour (CIE Lab chroma above 20), the paint is what has the
+/// hue of most of that, to 40 degrees; else it is what is grey and as light as most, to 30 of lightness. where: the
+/// pixels that hue and lightness are looked for in.
+inline Mask of_one_color(const Image& image, Mask mask, const Mask& where) {
+  struct Seen {
+    float lightness, chroma;
+    int hue;  // of 36
+  };
+  const auto seen = [&](std::size_t i) {
+    const vec3<float> c(image.plane(0)[i], image.plane(1)[i], image.plane(2)[i]);
+    const vec3<float> y = lab_from_rgb(linear_from_srgb(c));
+    return Seen{y.x, std::hypot(y.y, y.z), int((std::atan2(y.z, y.y) / (2 * pi) + 1) * 36) % 36};
+  };
+  std::array<float, 36> hues{};
+  std::array<int, 26> lightness{};  // in steps of 4
+  int all = 0, colored = 0;
+  for (std::size_t i = 0; i < mask.values.size(); ++i) {
+    if (mask.values[i] <= 0.5f || where.values[i] <= 0.5f) continue;
+    const Seen c = seen(i);
+    ++all, colored += c.chroma > 20;
+    if (c.chroma > 20) hues[std::size_t(c.hue)] += c.chroma;
+    else ++lightness[std::size_t(std::clamp(c.lightness / 4, 0.0f, 25.0f))];
+  }
+  if (all == 0) return mask;
+  const auto most = [](const auto& h) { return int(std::max_element(h.begin(), h.end()) - h.begin()); };
+  const bool colorful = 10 * colored >= 3 * all;
+  const int hue = most(hues), light = 4 * most(lightness) + 2;
+  for (std::size_t i = 0; i < mask.values.size(); ++i) {
+    if (mask.values[i] <= 0) continue;
+    const Seen c = seen(i);
+    const int apart = std::abs(c.hue - hue), turn = std::min(apart, 36 - apart);
+    const bool paint =
+        colorful ? c.chroma > 12 && turn <= 4 : c.chroma <= 20 && std::abs(c.lightness - float(light)) <= 30;
+    if (!paint) mask.values[i] = 0;
+  }
+  return mask;
+}
+
 struct Photo {
   Image image;             // as the camera developed it: sRGB values 0 to 1
   Mask vehicle;            // 0 to 1
@@ -128,6 +169,20 @@ struct Photo {
     return m;
   }
 };
+/// Labels for a photo that has none: paint is what of_one_color leaves, the rest of the vehicle is other. paint: where
+/// the model has its paint. Gives a sentence that says so.
+inline std::string label_by_color(Photo& photo, const Mask& paint) {
+  const Mask alike = of_one_color(photo.image, photo.vehicle, paint);
+  int kept = 0, all = 0;
+  for (std::size_t i = 0; i < std::size_t(alike.width) * std::size_t(alike.height); ++i) {
+    const bool vehicle = photo.vehicle.values[i] > 0, one = alike.values[i] > 0;
+    all += vehicle, kept += one;
+    photo.label.push_back(int(one ? Role::paint : Role::other) + 1);
+    if (!vehicle) photo.label.back() = 0;
+  }
+  return "no --parts: of " + std::to_string(all) + " pixels on the mask " + std::to_string(kept) +
+         " have the colour of most and count as paint; glass and rubber are left as they are";
+}
 struct Inputs {
   Photo photo;
   Camera camera;

@@ -62,6 +62,12 @@ done
 # The photo's paint is blue, and so is the fitted one.
 awk -F'[:,]' '/base_color.x/ { r = $2 } /base_color.z/ { b = $2 } END { exit !(b > 3 * r) }' whole/paint.json || fail "the paint is not blue"
 
+# Without labels the paint is told by its colour: glass and tyres do not spoil it.
+log=$(fit --parts "" --steps 60 --output unlabelled 2>&1) || fail "a run without labels: $log"
+grep -q "no --parts: of [0-9]* pixels on the mask [0-9]* have" <<<"$log" || fail "the log does not say what counts as paint"
+awk -F'[:,]' '/base_color.x/ { r = $2 } /base_color.z/ { b = $2 } END { exit !(b > 3 * r) }' unlabelled/paint.json ||
+  fail "without labels the paint is not blue"
+
 # ---- the same bits, on any number of threads and in any number of sittings
 same() { for m in paint glass rubber; do cmp -s "$1/$m.json" "$2/$m.json" || fail "$m.json of $1 and $2 differ"; done; }
 fit --steps 60 --threads 2 --output threads >threads.log 2>&1
