@@ -34,7 +34,7 @@ void write(const std::filesystem::path& program) {
   const std::filesystem::path to = "record" / program.filename().replace_extension(".tsv"), beside = to.string() + ".new";
   {
     std::ofstream file(beside);
-    file.precision(3);
+    file.precision(4);
     for (const Row& r : rows())
       file << r.what << '\t' << r.kind << '\t' << r.against << '\t' << r.tolerance << '\t' << r.figure << '\t' << r.points
            << '\n';
