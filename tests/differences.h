@@ -80,11 +80,9 @@ namespace detail {
 template <class Y> struct leaf {
   using type = Y;
 };
-template <template <class...> class P, class T, class... R> struct leaf<P<T, R...>> : leaf<T> {};
+template <template <class...> class P, class T, class... R> requires(!Number<P<T, R...>>)
+struct leaf<P<T, R...>> : leaf<T> {};
 template <class T, std::size_t N> struct leaf<std::array<T, N>> : leaf<T> {};
-template <Number T> struct leaf<T> {
-  using type = T;
-};
 template <class M, class Y> constexpr void mix_in(M& m, const Y& y) {
   if constexpr (Number<Y>) m(y);
   else if constexpr (Model<Y> || burnish::detail::is_array<Y>) each([&](const auto& x) { m(x); }, y);

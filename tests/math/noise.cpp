@@ -1,9 +1,9 @@
 // tests/math/noise.cpp -- noise: MaterialX's values, its slopes, its seams
 // SPDX-License-Identifier: Apache-2.0
 #include <burnish/math/noise.h>
-#include <math/laws.h>
+#include <differences.h>
 
-using namespace burnish;
+using namespace differences;
 
 namespace {
 /// Random places of a noise of D dimensions: uv or a point, and the numbers of a fractal.
@@ -16,8 +16,6 @@ template <class T> struct Place {
                       Param{"diminish", &Place::diminish, Range{0.2f, 0.9f}}};
   }
 };
-constexpr auto mixed = [](const auto& h) { return h.value + 0.3f * h.slope.x - 0.7f * h.slope.y; };
-constexpr auto mixed3 = [](const auto& h) { return h.value + 0.3f * h.slope.x - 0.7f * h.slope.y + 0.4f * h.slope.z; };
 }  // namespace
 
 // The references of the next three come from the text of MaterialX 1.39.5's lib/mx_noise.glsl, compiled as it stands in
@@ -75,18 +73,21 @@ TEST_CASE("fractal2d and fractal3d: give MaterialX's values at whole octaves", "
 
 TEST_CASE("noise2d and noise3d: one value and right slopes in every number", "[math][gradient]") {
   // No edges: the second derivatives are continuous, the third jump at lattice lines; off those by 0.02.
-  const auto inside = [](const auto& p) {
+  const auto off_lines = [](const auto& p) {
     const auto off = [](double x) { return std::fabs(x - std::round(x)) > 0.02; };
     return off(p.x) && off(p.y) && off(p.z);
   };
-  laws::hold([](const auto& p) { return mixed(noise2d(vec2{p.x, p.y})); }, inside, {.rounding = 1e-4}, vec3<double>());
-  laws::hold([](const auto& p) { return mixed3(noise3d(p)); }, inside, {.rounding = 1e-4}, vec3<double>());
+  const Hard<std::tuple<vec3<double>>> lattice{
+      "lattice corners and lines", {{{0, 0, 0}}, {{1, -1, 2}}, {{-2, 0.5, 3}}, {{0.25, 7, -0.0}}, {{1e5, -1e5, 0.5}}}};
+  holds("noise2d", [](const auto& p) { return noise2d(vec2{p.x, p.y}); }, within(off_lines, vec3<double>()),
+        {.rounding = 1e-4}, lattice);
+  holds("noise3d", [](const auto& p) { return noise3d(p); }, within(off_lines, vec3<double>()), {.rounding = 1e-4}, lattice);
 }
 TEST_CASE("noise2d and noise3d: the slopes they give are those of their value", "[math][gradient]") {
   std::mt19937_64 random(3);
   for (int i = 0; i < 1000; ++i) {
     vec3<double> p{3, 4, 5};
-    laws::move(random, p);
+    move(random, p);
     const auto [n, dx, dy, dz] = differentiate(
         [](auto x, auto y, auto z) {
           return noise3d(vec3{x, y, z}).value;
@@ -103,24 +104,32 @@ TEST_CASE("noise2d and noise3d: the slopes they give are those of their value", 
 }
 TEST_CASE("fractal2d and fractal3d: one value and right slopes in every number", "[math][gradient]") {
   // Edges: whole numbers of octaves. The third derivatives jump at the lattice lines of every octave.
-  const auto inside = [](const auto& p) {
+  const auto off_lines = [](const auto& p) {
     const auto off = [](double x, double by) { return std::fabs(x - std::round(x)) > by; };
     bool far = off(p.octaves, 0.06);
     for (double s = 1, i = 0; i < 5; ++i, s *= p.lacunarity) far = far && off(p.p.x * s, 0.02) && off(p.p.y * s, 0.02);
     return far;
   };
-  const auto inside3 = [&](const auto& p) {
+  const auto off_lines3 = [&](const auto& p) {
     auto q = p;
     q.p.y = p.p.z;
-    return inside(p) && inside(q);
+    return off_lines(p) && off_lines(q);
   };
-  laws::hold(
+  const How how{.rounding = 1e-3, .step = 1e-4};
+  const Hard<std::tuple<Place<double>>> lattice{"lattice corners and lines, no, whole and too many octaves",
+                                                {{{{0, 0, 0}, 3, 2, 0.5}},
+                                                 {{{1, -1, 0.5}, 0, 2, 0.5}},
+                                                 {{{0.3, 0.2, -2}, 40, 2, 0.5}},
+                                                 {{{0.5, 1, 2}, -1, 1, 0}},
+                                                 {{{0.5, 1, 2}, 2.5, 0, 1}}}};
+  holds(
+      "fractal2d",
       [](const auto& p) {
-        return mixed(fractal2d(vec2{p.p.x, p.p.y}, p.octaves, p.lacunarity, p.diminish));
+        return fractal2d(vec2{p.p.x, p.p.y}, p.octaves, p.lacunarity, p.diminish);
       },
-      inside, {.rounding = 1e-3, .step = 1e-4}, Place<double>());
-  laws::hold([](const auto& p) { return mixed3(fractal3d(p.p, p.octaves, p.lacunarity, p.diminish)); }, inside3,
-             {.rounding = 1e-3, .step = 1e-4}, Place<double>());
+      within(off_lines, Place<double>()), how, lattice);
+  holds("fractal3d", [](const auto& p) { return fractal3d(p.p, p.octaves, p.lacunarity, p.diminish); },
+        within(off_lines3, Place<double>()), how, lattice);
 }
 TEST_CASE("fractal2d: at a whole number of octaves the slope is that from below", "[math][limit]") {
   const auto slope = [](double octaves) {
