@@ -20,7 +20,7 @@
 
 namespace differences {
 using namespace burnish;
-using Random = std::mt19937_64;
+using Random = std::mt19937;
 
 /// How near float must come, and how the differences go.
 struct How {
@@ -44,7 +44,7 @@ template <class F> inline constexpr bool is_recorded = true;
 template <class F> inline constexpr bool is_recorded<Unrecorded<F>> = false;
 
 inline double between(Random& r, double low, double high) {
-  return low + (high - low) * double(r()) / double(Random::max());
+  return std::uniform_real_distribution<double>(low, high)(r);
 }
 /// Uniform over the part of the unit sphere with z >= low.
 inline vec3<double> upward(Random& r, double low) {
