@@ -50,6 +50,25 @@ std::string text(const std::vector<std::string>& names, const Numbers& x) {
   return all;
 }
 
+/// The slope to one side of x, extrapolated to step zero; not a number where f is none there.
+template <class F> double one_sided(F f, double x, double side) {
+  const double here = f(x);
+  double best = std::numeric_limits<double>::quiet_NaN(), spread = std::numeric_limits<double>::infinity();
+  double before[4] = {};
+  int depth = 0;
+  for (double step = 1e-2 * std::max(std::fabs(x), 0.1); step > 1e-12; step /= 4, ++depth) {
+    const volatile double to = x + side * step;
+    double row[4] = {(f(to) - here) / (to - x)};
+    for (int j = 1; j < 4; ++j) row[j] = depth < j ? row[j - 1] : row[j - 1] + (row[j - 1] - before[j - 1]) / (std::pow(4, j) - 1);
+    if (depth >= 3) {
+      const double rounding = 1e-15 * std::fabs(here) / step, e = std::fabs(row[2] - before[2]) + std::fabs(row[3] - row[2]) + rounding;
+      if (e < spread) spread = e, best = row[3];
+    }
+    std::copy(row, row + 4, before);
+  }
+  return best;
+}
+
 /// The first that went wrong, in words, and how many did.
 struct Wrong {
   int count = 0;
@@ -95,7 +114,7 @@ void check(const std::string& names, Function& f, const How& how, const std::str
       if (!(std::fabs(in_double[k] - y) <= how.exact * size))
         value.add("double says " + burnish::detail::digits(in_double[k], 17) + " and " + burnish::detail::digits(y, 17) + " at " + text(inputs, x));
     }
-    if (!(std::fabs(dual_slope - by_tape) <= 1e-9 * by_tape_size + 1e-12 * size))
+    if (compare && !(std::fabs(dual_slope - by_tape) <= 1e-9 * by_tape_size + 1e-12 * size))
       slope.add("Dual says " + burnish::detail::digits(dual_slope, 17) + ", Var " + burnish::detail::digits(by_tape, 17) + " at " + text(inputs, x));
     places.push_back(x);
     values.push_back(y);
@@ -133,11 +152,25 @@ void check(const std::string& names, Function& f, const How& how, const std::str
   record::claim(names, "gradient", "Richardson differences in double", 1e-7, worst, decided);
   if (hard.empty()) return;
   odd = slope = {};
+  Wrong stray;
   int n = 0;
   for (Numbers x = f.hard(0); !x.empty(); x = f.hard(std::size_t(++n))) {
     for (double& a : x) round_to_float(a);
     one_value(x, n, false);
+    for (std::size_t k = 0; k < x.size(); ++k) {
+      const auto moved = [&](double to) {
+        Numbers at = x;
+        at[k] = to;
+        return f.in_double(at);
+      };
+      const double left = one_sided(moved, x[k], -1), right = one_sided(moved, x[k], 1);
+      const double slack = 1e-3 * std::max({std::fabs(left), std::fabs(right), std::fabs(d[k]), 1e-3});
+      if (!(d[k] >= std::min(left, right) - slack && d[k] <= std::max(left, right) + slack) && !(std::isnan(left) && std::isnan(right)))
+        stray.add(names + " " + inputs[k] + " slope " + burnish::detail::digits(d[k], 6) + ", left " + burnish::detail::digits(left, 6) + ", right " +
+                  burnish::detail::digits(right, 6) + " at " + text(inputs, x));
+    }
   }
+  printf("%s STRAYS %d of %d: %s\n", names.c_str(), stray.count, n, stray.first.c_str());
   by_recording(false);
   INFO(odd.first << "\n" << slope.first);
   CHECK(slope.count == 0);

@@ -76,7 +76,7 @@ template <class R, class... P> void move(R& random, P&... p) {
    ...);
 }
 
-namespace detail {
+namespace parts {
 template <class Y> struct leaf {
   using type = Y;
 };
@@ -89,12 +89,12 @@ template <class M, class Y> constexpr void mix_in(M& m, const Y& y) {
   else if constexpr (requires { y.slope; }) mix_in(m, y.value), mix_in(m, y.slope);
   else mix_in(m, y.t), mix_in(m, y.b), mix_in(m, y.n);
 }
-}  // namespace detail
+}  // namespace parts
 /// One number out of a result (a number, vector, height, frame, struct or array): a fixed mixture of its components.
 template <class Y> constexpr auto mixture(const Y& y) {
   if constexpr (Number<Y>) return y;
   else {
-    using T = typename detail::leaf<Y>::type;
+    using T = typename parts::leaf<Y>::type;
     T sum = 0.0f;
     int k = 0;
     const auto add = [&](const T& x) {
@@ -102,7 +102,7 @@ template <class Y> constexpr auto mixture(const Y& y) {
       sum = sum + x * (k < 3 ? first[k] : 0.125f + 0.25f * float(k * 7 % 11 - 5));
       ++k;
     };
-    detail::mix_in(add, y);
+    parts::mix_in(add, y);
     return sum;
   }
 }
