@@ -5,8 +5,9 @@
 //
 // At record::points() points: float, double, both packets, Var, Dual and the replayed recording give one value; the
 // slopes of Var agree with Richardson differences in double (burnish/ad/check.h) to 1e-7 of themselves, those of Dual
-// with them; and no value or slope is anything but a number, in float or double. The worst error of a slope is the figure
-// that is recorded. At hard places, where differences say nothing, values and slopes are numbers still.
+// with them; and no value or slope is anything but a number, in float or double. The worst error of a slope is the
+// figure that is recorded. At hard places, which a random point does not meet, values and slopes are numbers still, and the
+// slopes those of one side.
 //
 // Only the numbers themselves are templates here; all else is in differences.cpp, compiled once.
 #pragma once
@@ -29,10 +30,11 @@ struct How {
   double step = 1e-2;  ///< the first of the differences, relative
   double exact = 1e-12;  ///< of double against double, as rounding is of float
 };
-/// Places that a random point does not meet, by name.
+/// Places that a random point does not meet, by name. Of `points` the slopes are those to the left, to the right or
+/// between; at the `stated` ones there is no slope, and f's header says what is given.
 template <class Point> struct Hard {
   std::string names;
-  std::vector<Point> points;
+  std::vector<Point> points, stated = {};
 };
 /// For an f that reads data of its own (a table, an image): it cannot be recorded, float slopes are then those of Var.
 template <class F> struct Unrecorded {
@@ -114,7 +116,7 @@ public:
   virtual ~Function() = default;
   virtual std::vector<std::string> names() = 0;
   virtual Numbers draw(Random&) = 0;
-  virtual Numbers hard(std::size_t i) = 0;  ///< the i-th of the hard places; empty past the last
+  virtual Numbers hard(std::size_t i, bool one_sided) = 0;  ///< the i-th of the hard places; empty past the last
   virtual double in_double(const Numbers& x) = 0;
   virtual double in_float(const Numbers& x) = 0;
   virtual double in_packet(const Numbers& x, int lane) = 0;         ///< of floats
@@ -130,7 +132,7 @@ void check(const std::string& names, Function& f, const How& how, const std::str
 template <class F, class Draw> class Typed final : public Function {
 public:
   using Point = decltype(std::declval<Draw&>()(std::declval<Random&>()));
-  Typed(F& f_, Draw& draw_, const Hard<Point>& hard_) : f(f_), draw_point(draw_), places(hard_.points) {}
+  Typed(F& f_, Draw& draw_, const Hard<Point>& hard_) : f(f_), draw_point(draw_), places(hard_) {}
 
   std::vector<std::string> names() override {
     std::vector<std::string> list;
@@ -145,7 +147,10 @@ public:
     return list;
   }
   Numbers draw(Random& random) override { return taken(draw_point(random)); }
-  Numbers hard(std::size_t i) override { return i < places.size() ? taken(places[i]) : Numbers(); }
+  Numbers hard(std::size_t i, bool one_sided) override {
+    const std::vector<Point>& list = one_sided ? places.points : places.stated;
+    return i < list.size() ? taken(list[i]) : Numbers();
+  }
   double in_double(const Numbers& x) override {
     put(x);
     return std::apply([&](const auto&... a) { return mixture(f(a...)); }, point);
@@ -185,7 +190,7 @@ public:
 private:
   F& f;
   Draw& draw_point;
-  const std::vector<Point>& places;
+  const Hard<Point>& places;
   Point point{};
 
   template <class X, class P, class Visit> static void each_number(P& p, Visit visit) {

@@ -41,7 +41,7 @@ TEST_CASE("Frame: one value and right slopes in every number", "[math][gradient]
   const vec3<double> x{1, 0, 0}, z{0, 0, 1}, none;
   holds("frame_of, Frame", [](const auto& a, const auto& b) { return frame_of(normalize(a)).to_world(b); },
         within(off_turn, vec3<double>(), vec3<double>()), {},
-        {"poles, n.z = 0, zero-length vectors", {{z, x}, {-z, x}, {x, x}, {z, none}, {none, x}}});
+        {"poles, n.z = 0, zero-length vectors", {{z, x}, {-z, x}, {x, x}, {z, none}}, {{none, x}}});
   holds(
       "frame_of, Frame",
       [](const auto& a, const auto& b, const auto& c) { return frame_of(normalize(a), b).to_local(c); },
@@ -52,7 +52,8 @@ TEST_CASE("Frame: one value and right slopes in every number", "[math][gradient]
           vec3<double>(), vec3<double>(), vec3<double>()),
       {},
       {"poles, n.z = 0, zero-length vectors, a tangent along the normal",
-       {{z, x, x}, {-z, x, z}, {z, z, x}, {-x, x, x}, {z, none, x}, {none, x, x}, {none, none, none}}});
+       {{z, x, x}, {-z, x, z}},
+       {{z, z, x}, {-x, x, x}, {z, none, x}, {none, x, x}, {none, none, none}}});
 }
 TEST_CASE("reflect and refract: lie in the plane of incidence and obey the laws of Euclid and Snell", "[math][value]") {
   std::mt19937_64 random(2);
@@ -90,5 +91,6 @@ TEST_CASE("reflect and refract: one value and right slopes in every number", "[m
           vec3<double>(), vec3<double>(), 1.0),
       {},
       {"grazing, along the normal, total reflection, index 1, zero-length vectors",
-       {{x, z, 1.0}, {z, z, 1.5}, {x, z, 1.5}, {-x, z, 0.5}, {z, z, 1.0}, {none, z, 1.5}, {x, none, 1.5}}});
+       {{x, z, 1.0}, {z, z, 1.5}, {x, z, 1.5}, {-x, z, 0.5}, {z, z, 1.0}},
+       {{none, z, 1.5}, {x, none, 1.5}}});
 }

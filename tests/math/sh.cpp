@@ -53,7 +53,7 @@ TEST_CASE("Spherical harmonics: one value and right slopes in every number", "[m
         return sh_sum<4>(c, normalize(d));
       },
       within([](const auto& d) { return length(d) > 0.3; }, vec3<double>()), {},
-      {"poles, a zero-length vector", {{{0, 0, 1}}, {{0, 0, -1}}, {{0, 1, 0}}, {{0, 0, 0}}}});
+      {"poles, a zero-length vector", {{{0, 0, 1}}, {{0, 0, -1}}, {{0, 1, 0}}}, {{{0, 0, 0}}}});
   std::array<vec3<float>, 4> sky{vec3<float>(1.0f), vec3<float>(0.0f), vec3<float>(0.5f), vec3<float>(0.0f)};
   CHECK(sh_sum<1>(sky, vec3<float>{0, 0, 1}).y == Approx(0.28209479 + 0.24430126));
 }

@@ -31,10 +31,12 @@ TEST_CASE("noise nodes: amplitude and pivot scale and shift MaterialX's noise", 
 }
 TEST_CASE("noise nodes: one value and right slopes in every number", "[nodes][gradient]") {
   const auto over_uv = [](const auto& node, const auto& s) {
-    return std::array{node(s.uv), mixture(node.height(s.uv))};
+    const auto h = node.height(s.uv);
+    return node(s.uv) + 0.3f * h.slope.x - 0.4f * h.slope.y;
   };
   const auto in_space = [](const auto& node, const auto& s) {
-    return std::array{node(s.position), mixture(node.height(s.position))};
+    const auto h = node.height(s.position);
+    return node(s.position) + 0.3f * h.slope.x - 0.4f * h.slope.y + 0.2f * h.slope.z;
   };
   const auto right = [](const char* name, auto f, auto away, auto node, const How& how) {
     using Point = std::tuple<decltype(node), Spot<double>>;
