@@ -11,6 +11,7 @@
 //
 // Only the numbers themselves are templates here; all else is in differences.cpp, compiled once.
 #pragma once
+#include <functional>
 #include <random>
 #include <burnish/ad/check.h>
 #include <burnish/ad/dual.h>
@@ -129,10 +130,10 @@ public:
 /// hard: their names, empty for none.
 void check(const std::string& names, Function& f, const How& how, const std::string& hard);
 
-template <class F, class Draw> class Typed final : public Function {
+template <class F, class Point> class Typed final : public Function {
 public:
-  using Point = decltype(std::declval<Draw&>()(std::declval<Random&>()));
-  Typed(F& f_, Draw& draw_, const Hard<Point>& hard_) : f(f_), draw_point(draw_), places(hard_) {}
+  using Draw = std::function<Point(Random&)>;
+  Typed(F& f_, const Draw& draw_, const Hard<Point>& hard_) : f(f_), draw_point(draw_), places(hard_) {}
 
   std::vector<std::string> names() override {
     std::vector<std::string> list;
@@ -189,7 +190,7 @@ public:
 
 private:
   F& f;
-  Draw& draw_point;
+  const Draw& draw_point;
   const Hard<Point>& places;
   Point point{};
 
@@ -229,10 +230,11 @@ private:
 
 /// names: f's public name, or several joined by ", ". draw(random) gives a tuple of f's arguments, numbers or structs of
 /// double, off the edges of f.
-template <class F, class Draw, class Point = typename Typed<F, Draw>::Point>
+template <class F, class Draw, class Point = decltype(std::declval<Draw&>()(std::declval<Random&>()))>
 void holds(const std::string& names, F f, Draw draw, const How& how = {},
            const std::type_identity_t<Hard<Point>>& hard = {}) {
-  Typed<F, Draw> typed(f, draw, hard);
+  const typename Typed<F, Point>::Draw drawn = draw;
+  Typed<F, Point> typed(f, drawn, hard);
   check(names, typed, how, hard.names);
 }
 

@@ -190,7 +190,7 @@ TEST_CASE("Materials: all numbers agree and the slopes are right", "[nodes][grad
       {"saturated, black and white tints, metal and dielectric, least roughness, lattice corners", [] {
          std::vector<std::tuple<CarPaint<double>, double, double>> list;
          for (const double extreme : {0.0, 1.0})
-           for (const vec3<double>& c : {vec3<double>(extreme), vec3<double>{1, 0, 0}, vec3<double>(0.45)})
+           for (const vec3<double>& c : {vec3<double>(extreme), vec3<double>{1, 0, 0}})
              for (const double r : {0.01, 1.0}) {
                CarPaint<double> p;
                p.base_color = c, p.base_metalness = p.coat_weight = p.flakes.resolved = extreme;

@@ -56,8 +56,9 @@ template <class F> Difference difference(F f, double x, double step) {
     const double above = f(up), below = f(down);
     table[i][0] = (above - below) / (up - down);
     bend[i] = std::fabs((above - here) / (up - x) - (here - below) / (x - down));
+    // A value of many operations is off by a few units in its last place.
     const double rounding =
-        std::numeric_limits<double>::epsilon() * std::max(std::fabs(above), std::fabs(below)) / step;
+        4 * std::numeric_limits<double>::epsilon() * std::max(std::fabs(above), std::fabs(below)) / step;
     double power = 4;
     for (int j = 1; j <= i; ++j, power *= 4) {
       table[i][j] = table[i][j - 1] + (table[i][j - 1] - table[i - 1][j - 1]) / (power - 1);
