@@ -81,9 +81,19 @@ TEST_CASE("noise2d and noise3d: one value and right slopes in every number", "[m
   };
   const Hard<std::tuple<vec3<double>>> lattice{
       "lattice corners and lines", {{{0, 0, 0}}, {{1, -1, 2}}, {{-2, 0.5, 3}}, {{0.25, 7, -0.0}}, {{1e5, -1e5, 0.5}}}};
-  holds("noise2d", [](const auto& p) { return noise2d(vec2{p.x, p.y}); }, within(off_lines, vec3<double>()),
+  holds("noise2d, op::Noise", [](const auto& p) { return noise2d(vec2{p.x, p.y}); }, within(off_lines, vec3<double>()),
         {.rounding = 1e-4}, lattice);
-  holds("noise3d", [](const auto& p) { return noise3d(p); }, within(off_lines, vec3<double>()), {.rounding = 1e-4}, lattice);
+  holds("noise3d, op::Noise", [](const auto& p) { return noise3d(p); }, within(off_lines, vec3<double>()), {.rounding = 1e-4}, lattice);
+}
+TEST_CASE("Sloped: sums, products and what goes through a function, with their slopes", "[math][gradient]") {
+  holds("Sloped",
+        [](const auto& p, const auto& s) {
+          using T = std::remove_cvref_t<decltype(s)>;
+          const Height<T> a{p.x, {p.y, p.z}}, b{s, {s * p.x, p.z}};
+          const auto c = mix(a * b - s, -(s - b) + a, s) + (a - b) * s + s * (s + b);
+          return c.through(c.value * c.value, 2.0f * c.value);
+        },
+        within(anywhere, vec3<double>(), 0.0), {.rounding = 1e-4, .scale = 10});
 }
 TEST_CASE("noise2d and noise3d: the slopes they give are those of their value", "[math][gradient]") {
   std::mt19937_64 random(3);
@@ -135,10 +145,10 @@ TEST_CASE("fractal2d and fractal3d: one value and right slopes in every number",
     return mixed(fractal2d(vec2{p.p.x, p.p.y}, p.octaves, p.lacunarity, p.diminish));
   };
   const auto space = [](const auto& p) { return mixed3(fractal3d(p.p, p.octaves, p.lacunarity, p.diminish)); };
-  holds("fractal2d", plane, within(near(off_lines), Place<double>()), how, lattice);
-  holds("fractal2d", plane, within(off_lines, Place<double>()), far);
-  holds("fractal3d", space, within(near(off_lines3), Place<double>()), how, lattice);
-  holds("fractal3d", space, within(off_lines3, Place<double>()), far);
+  holds("fractal2d, op::Fractal", plane, within(near(off_lines), Place<double>()), how, lattice);
+  holds("fractal2d, op::Fractal", plane, within(off_lines, Place<double>()), far);
+  holds("fractal3d, op::Fractal", space, within(near(off_lines3), Place<double>()), how, lattice);
+  holds("fractal3d, op::Fractal", space, within(off_lines3, Place<double>()), far);
 }
 TEST_CASE("fractal2d: at a whole number of octaves the slope is that from below", "[math][limit]") {
   const auto slope = [](double octaves) {

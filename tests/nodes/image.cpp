@@ -109,7 +109,7 @@ TEST_CASE("image: right slopes by uv in every mode, of colours and of heights", 
         "texel centres, borders, wrapped and far uv",
         {{{0, 0}}, {{1, 1}}, {{-1, 2}}, {{0.5, 0.5}}, {{0.1, 0.5}}, {{-1e-8, 1 + 1e-7}}},
         {{{1e6, -1e6}}, {{-7e8, 9e9}}}};  // differences see no single texel there
-    holds("ImageNode", Unrecorded{[&](const auto& uv) {
+    holds("ImageNode, op::ImageRead, op::ImageHeight", Unrecorded{[&](const auto& uv) {
             const auto h = node(uv.x).height(uv);
             return std::array{mixture(node(uv.x)(uv)), node(uv.x).number(uv), mixture(h)};
           }},
