@@ -9,8 +9,8 @@ using burnish::detail::digits;
 using Numbers = Function::Numbers;
 
 /// The recording played over places at once, in packets of floats; back come its values and slopes. The sweep back
-/// multiplies zero adjoints, too, and so finds what a tape, which skips them, does not: an infinite slope on the side of a
-/// select that is not taken.
+/// multiplies zero adjoints, too, and so finds what a tape, which skips them, does not: an infinite slope on the side
+/// of a select that is not taken.
 struct Played {
   std::vector<float> values;
   std::vector<Numbers> slopes;
@@ -46,8 +46,7 @@ bool finite(const Numbers& x) {
 }
 std::string text(const std::vector<std::string>& names, const Numbers& x) {
   std::string all;
-  for (std::size_t i = 0; i < x.size(); ++i)
-    all += (i ? ", " : "") + names[i] + " = " + digits(x[i], 17);
+  for (std::size_t i = 0; i < x.size(); ++i) all += (i ? ", " : "") + names[i] + " = " + digits(x[i], 17);
   return all;
 }
 
@@ -112,7 +111,8 @@ void check(const std::string& names, Function& f, const How& how, const std::str
     double dual_slope = 0, by_tape = 0, by_tape_size = 0;
     const double in_float[] = {f.in_float(x), f.in_packet(x, lane % 16), recorded ? y : f.taped_in_float(x, d_float)};
     const double in_double[] = {f.in_double_packet(x, lane % 8), f.taped(x, d), f.dual(x, direction, dual_slope)};
-    for (std::size_t k = 0; k < d.size(); ++k) by_tape += d[k] * direction[k], by_tape_size += std::fabs(d[k] * direction[k]);
+    for (std::size_t k = 0; k < d.size(); ++k)
+      by_tape += d[k] * direction[k], by_tape_size += std::fabs(d[k] * direction[k]);
     bool numbers = std::isfinite(y) && std::isfinite(dual_slope) && finite(d) && (recorded || finite(d_float));
     for (int k = 0; k < 3; ++k) numbers = numbers && std::isfinite(in_float[k]) && std::isfinite(in_double[k]);
     if (!numbers) odd.add("not a number at " + text(inputs, x));
@@ -134,8 +134,8 @@ void check(const std::string& names, Function& f, const How& how, const std::str
         const double y = double(p.values[i]), size = std::max(std::fabs(values[i]), how.scale);
         if (!std::isfinite(y) || !finite(p.slopes[i])) odd.add("recorded, not a number at " + text(inputs, places[i]));
         if (compare && !(std::fabs(y - values[i]) <= how.rounding * size))
-          value.add("recorded it says " + digits(y, 9) + ", in double " +
-                    digits(values[i], 9) + " at " + text(inputs, places[i]));
+          value.add("recorded it says " + digits(y, 9) + ", in double " + digits(values[i], 9) + " at " +
+                    text(inputs, places[i]));
       }
     }
     places.clear(), values.clear();
@@ -145,8 +145,8 @@ void check(const std::string& names, Function& f, const How& how, const std::str
     Numbers x = f.draw(random);
     for (double& a : x) round_to_float(a);
     one_value(x, i, true);
-    const GradientCheck c = burnish::detail::check_slopes([&](const Numbers& at) { return f.in_double(at); }, inputs,
-                                                          x, d, Checking{.step = how.step});
+    const GradientCheck c = burnish::detail::check_slopes([&](const Numbers& at) { return f.in_double(at); }, inputs, x,
+                                                          d, Checking{.step = how.step});
     if (c.verdict != Verdict::right) slope.add(c.text());
     if (c.verdict == Verdict::undecided) continue;
     ++decided;
@@ -161,7 +161,7 @@ void check(const std::string& names, Function& f, const How& how, const std::str
   if (hard.empty()) return;
   odd = slope = {};
   int n = 0;
-  for (bool one_sided = true; ; one_sided = false) {
+  for (bool one_sided = true;; one_sided = false) {
     int i = 0;
     for (Numbers x = f.hard(0, one_sided); !x.empty(); x = f.hard(std::size_t(++i), one_sided)) {
       for (double& a : x) round_to_float(a);

@@ -6,8 +6,8 @@
 // At record::points() points: float, double, both packets, Var, Dual and the replayed recording give one value; the
 // slopes of Var agree with Richardson differences in double (burnish/ad/check.h) to 1e-7 of themselves, those of Dual
 // with them; and no value or slope is anything but a number, in float or double. The worst error of a slope is the
-// figure that is recorded. At hard places, which a random point does not meet, values and slopes are numbers still, and the
-// slopes those of one side.
+// figure that is recorded. At hard places, which a random point does not meet, values and slopes are numbers still,
+// and the slopes those of one side.
 //
 // Only the numbers themselves are templates here; all else is in differences.cpp, compiled once.
 #pragma once
@@ -28,7 +28,7 @@ using Random = std::mt19937;
 struct How {
   double rounding = 2e-5;  ///< of float against double, a part of the larger of the value and `scale`
   double scale = 1;
-  double step = 1e-2;  ///< the first of the differences, relative
+  double step = 1e-2;    ///< the first of the differences, relative
   double exact = 1e-12;  ///< of double against double, as rounding is of float
 };
 /// Places that a random point does not meet, by name. Of `points` the slopes are those to the left, to the right or
@@ -75,16 +75,19 @@ inline constexpr auto anywhere = [](const auto&...) { return true; };
 void round_to_float(double& x);
 template <class R, class... P> void move(R& random, P&... p) {
   (randomize(p, random), ...);
-  (each([](auto& x) { if constexpr (std::is_same_v<std::remove_reference_t<decltype(x)>, double>) round_to_float(x); }, p),
+  (each(
+       [](auto& x) {
+         if constexpr (std::is_same_v<std::remove_reference_t<decltype(x)>, double>) round_to_float(x);
+       },
+       p),
    ...);
 }
 
 namespace parts {
-template <class Y> struct leaf {
-  using type = Y;
+template <class Y> struct leaf { using type = Y; };
+template <template <class...> class P, class T, class... R>
+requires(!Number<P<T, R...>>) struct leaf<P<T, R...>> : leaf<T> {
 };
-template <template <class...> class P, class T, class... R> requires(!Number<P<T, R...>>)
-struct leaf<P<T, R...>> : leaf<T> {};
 template <class T, std::size_t N> struct leaf<std::array<T, N>> : leaf<T> {};
 template <class M, class Y> constexpr void mix_in(M& m, const Y& y) {
   if constexpr (Number<Y>) m(y);
@@ -120,7 +123,7 @@ public:
   virtual Numbers hard(std::size_t i, bool one_sided) = 0;  ///< the i-th of the hard places; empty past the last
   virtual double in_double(const Numbers& x) = 0;
   virtual double in_float(const Numbers& x) = 0;
-  virtual double in_packet(const Numbers& x, int lane) = 0;         ///< of floats
+  virtual double in_packet(const Numbers& x, int lane) = 0;  ///< of floats
   virtual double in_double_packet(const Numbers& x, int lane) = 0;
   virtual double taped(const Numbers& x, Numbers& d) = 0;
   virtual double dual(const Numbers& x, const Numbers& direction, double& slope) = 0;
@@ -195,7 +198,9 @@ private:
   Point point{};
 
   template <class X, class P, class Visit> static void each_number(P& p, Visit visit) {
-    const auto leaf = [&]<class Y>(Y& y) { if constexpr (std::is_same_v<Y, X>) visit(y); };
+    const auto leaf = [&]<class Y>(Y& y) {
+      if constexpr (std::is_same_v<Y, X>) visit(y);
+    };
     std::apply([&](auto&... a) { (each(leaf, a), ...); }, p);
   }
   Numbers taken(const Point& p) {
@@ -209,7 +214,9 @@ private:
     each_number<double>(point, [&](double& to) { to = x[i++]; });
   }
   template <class T> auto lifted() const {
-    return std::apply([](const auto&... a) { return std::tuple<rebind_t<std::remove_cvref_t<decltype(a)>, T>...>{lift<T>(a)...}; }, point);
+    return std::apply(
+        [](const auto&... a) { return std::tuple<rebind_t<std::remove_cvref_t<decltype(a)>, T>...>{lift<T>(a)...}; },
+        point);
   }
   template <class T> T of(const Numbers& x) {
     put(x);
@@ -221,15 +228,20 @@ private:
     d.clear();
     std::apply(
         [&](const auto&, const auto&... a) {
-          (each([&]<class X>(const X& x) { if constexpr (Plain<X>) d.push_back(double(x)); }, a), ...);
+          (each(
+               [&]<class X>(const X& x) {
+                 if constexpr (Plain<X>) d.push_back(double(x));
+               },
+               a),
+           ...);
         },
         all);
     return double(std::get<0>(all));
   }
 };
 
-/// names: f's public name, or several joined by ", ". draw(random) gives a tuple of f's arguments, numbers or structs of
-/// double, off the edges of f.
+/// names: f's public name, or several joined by ", ". draw(random) gives a tuple of f's arguments, numbers or structs
+/// of double, off the edges of f.
 template <class F, class Draw, class Point = decltype(std::declval<Draw&>()(std::declval<Random&>()))>
 void holds(const std::string& names, F f, Draw draw, const How& how = {},
            const std::type_identity_t<Hard<Point>>& hard = {}) {

@@ -8,24 +8,28 @@ using namespace differences;
 namespace {
 constexpr auto all = [](auto...) { return true; };
 template <class Op> constexpr auto applied = [](const auto&... x) { return apply<Op>(x...); };
-template <class Op, std::size_t... I> auto tuple_of(std::index_sequence<I...>, const std::array<double, Op::inputs>& x) {
+template <class Op, std::size_t... I>
+auto tuple_of(std::index_sequence<I...>, const std::array<double, Op::inputs>& x) {
   return std::tuple{x[I]...};
 }
 template <class Op> using Inputs = decltype(tuple_of<Op>(std::make_index_sequence<Op::inputs>{}, {}));
 /// One operation, its inputs within the given ranges (the last goes on) where away(inputs...) holds.
 template <class Op, class Away = decltype(all)>
 void right(const std::string& name, std::vector<Range> in, Away away = {}, const Hard<Inputs<Op>>& hard = {}) {
-  holds(name, applied<Op>, [=](Random& r) {
-    for (;;) {
-      std::array<double, Op::inputs> x;
-      for (std::size_t k = 0; k < x.size(); ++k) {
-        const Range range = in[std::min(k, in.size() - 1)];
-        x[k] = between(r, double(range.low), double(range.high));
-      }
-      const auto point = tuple_of<Op>(std::make_index_sequence<Op::inputs>{}, x);
-      if (std::apply(away, point)) return point;
-    }
-  }, {}, hard);
+  holds(
+      name, applied<Op>,
+      [=](Random& r) {
+        for (;;) {
+          std::array<double, Op::inputs> x;
+          for (std::size_t k = 0; k < x.size(); ++k) {
+            const Range range = in[std::min(k, in.size() - 1)];
+            x[k] = between(r, double(range.low), double(range.high));
+          }
+          const auto point = tuple_of<Op>(std::make_index_sequence<Op::inputs>{}, x);
+          if (std::apply(away, point)) return point;
+        }
+      },
+      {}, hard);
 }
 constexpr Range wide{-9, 9}, some{-2, 2};
 }  // namespace
@@ -105,29 +109,32 @@ TEST_CASE("functions: one value in every number, slopes of a long chain right", 
            std::fabs(y - 1.7) > 0.05 && std::fabs(y + 0.01 - std::round(y + 0.01)) > 0.05;
   };
   const std::string chain = "a chain of elementary functions";
-  holds(chain,
-        [](auto x, auto y) { return sin(x) * cos(y) + tan(0.3f * x) - exp(x * 0.5f) + log(y * y + 0.2f) / (2.5f + x); },
-        within(all, 0.0, 0.0));
-  holds(chain,
-        [](auto x, auto y) { return pow(x * x + 0.1f, y) + exp2(x) * log2(y * y + 0.3f) + rsqrt(x * x + 1.0f); },
-        within(all, 0.0, 0.0));
-  holds(chain, [](auto x, auto y) { return asin(0.4f * x) + acos(0.3f * y) * atan2(y, x + 3.0f) + tanh(x - y); },
-        within(all, 0.0, 0.0));
+  holds(
+      chain,
+      [](auto x, auto y) { return sin(x) * cos(y) + tan(0.3f * x) - exp(x * 0.5f) + log(y * y + 0.2f) / (2.5f + x); },
+      within(all, 0.0, 0.0));
+  holds(
+      chain, [](auto x, auto y) { return pow(x * x + 0.1f, y) + exp2(x) * log2(y * y + 0.3f) + rsqrt(x * x + 1.0f); },
+      within(all, 0.0, 0.0));
+  holds(
+      chain, [](auto x, auto y) { return asin(0.4f * x) + acos(0.3f * y) * atan2(y, x + 3.0f) + tanh(x - y); },
+      within(all, 0.0, 0.0));
   holds("clamp, mix, smoothstep",
         [](auto x, auto y) {
           return max(x, y) * min(x, y) + abs(x) + clamp(y, -1.5f, 1.7f) + mix(x, y, 0.3f) - (-x) +
                  smoothstep(-3.0f, 3.0f, x) * floor(y + 0.01f);
         },
         within(apart, 0.0, 0.0), {}, {"the ends of clamp and smoothstep", {{3.0, -1.5}, {-3.0, 1.75}, {0.0, 0.0}}});
-  holds("a chain of selects",
-        [](auto x, auto y) {
-          return select(x < y, x * x, y * x) + select(!(x > y) || y <= 0.3f, y, x) +
-                 select(x >= 0.2f && y < 1.0f, x, y * y);
-        },
-        within(
-            [](double x, double y) {
-              return std::fabs(x - y) > 0.05 && std::fabs(x - 0.2) > 0.05 && std::fabs(y - 1) > 0.05 &&
-                     std::fabs(y - 0.3) > 0.05;
-            },
-            0.0, 0.0));
+  holds(
+      "a chain of selects",
+      [](auto x, auto y) {
+        return select(x < y, x * x, y * x) + select(!(x > y) || y <= 0.3f, y, x) +
+               select(x >= 0.2f && y < 1.0f, x, y * y);
+      },
+      within(
+          [](double x, double y) {
+            return std::fabs(x - y) > 0.05 && std::fabs(x - 0.2) > 0.05 && std::fabs(y - 1) > 0.05 &&
+                   std::fabs(y - 0.3) > 0.05;
+          },
+          0.0, 0.0));
 }

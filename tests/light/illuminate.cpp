@@ -353,8 +353,7 @@ TEST_CASE("illuminate: one value in every number, and right slopes by surface an
                              }()};
   for (int normals = 0; normals < 2; ++normals)
     holds(
-        "illuminate, moments, sunlit, LightStrength, Sun",
-        Unrecorded{[&](const auto& drawn, const auto& strength) {
+        "illuminate, moments, sunlit, LightStrength, Sun", Unrecorded{[&](const auto& drawn, const auto& strength) {
           using T = std::remove_cvref_t<decltype(drawn.base_weight)>;
           auto surface = drawn;  // normals of unit length are an edge of their own: a difference would leave the sphere
           surface.geometry_normal = normalize(drawn.geometry_normal);

@@ -69,12 +69,15 @@ TEST_CASE("HarmonicSky: one value in every number, and right slopes by coefficie
   };
   const HarmonicSky2<double> two;
   const HarmonicSky4<double> four;
-  holds("sky_radiance, HarmonicSky2", [](const auto& s, const auto& d) { return sky_radiance(s, normalize(d)); },
-        within(long_enough, two, vec3<double>()), {}, poles(two));
-  holds("sky_irradiance, HarmonicSky4", [](const auto& s, const auto& d) { return sky_irradiance(s, normalize(d)); },
-        within(long_enough, four, vec3<double>()), {}, poles(four));
-  holds("sky_irradiance, HarmonicSky2", [](const auto& s, const auto& d) { return sky_irradiance<2>(s, normalize(d)); },
-        within(long_enough, two, vec3<double>()), {}, poles(two));
-  holds("turned", [](const auto& d, const auto& yaw) { return turned(d, yaw); },
-        within(anywhere, vec3<double>(), 0.0), {}, {"no turn", {{{0, 1, 0}, 0.0}, {{0, 0, -1}, 0.0}}});
+  holds(
+      "sky_radiance, HarmonicSky2", [](const auto& s, const auto& d) { return sky_radiance(s, normalize(d)); },
+      within(long_enough, two, vec3<double>()), {}, poles(two));
+  holds(
+      "sky_irradiance, HarmonicSky4", [](const auto& s, const auto& d) { return sky_irradiance(s, normalize(d)); },
+      within(long_enough, four, vec3<double>()), {}, poles(four));
+  holds(
+      "sky_irradiance, HarmonicSky2", [](const auto& s, const auto& d) { return sky_irradiance<2>(s, normalize(d)); },
+      within(long_enough, two, vec3<double>()), {}, poles(two));
+  holds("turned", [](const auto& d, const auto& yaw) { return turned(d, yaw); }, within(anywhere, vec3<double>(), 0.0),
+        {}, {"no turn", {{{0, 1, 0}, 0.0}, {{0, 0, -1}, 0.0}}});
 }

@@ -81,9 +81,15 @@ TEST_CASE("noise2d and noise3d: one value and right slopes in every number", "[m
   };
   const Hard<std::tuple<vec3<double>>> lattice{
       "lattice corners and lines", {{{0, 0, 0}}, {{1, -1, 2}}, {{-2, 0.5, 3}}, {{0.25, 7, -0.0}}, {{1e5, -1e5, 0.5}}}};
-  holds("noise2d, op::Noise", [](const auto& p) { return noise2d(vec2{p.x, p.y}); }, within(off_lines, vec3<double>()),
-        {.rounding = 1e-4}, lattice);
-  holds("noise3d, op::Noise", [](const auto& p) { return noise3d(p); }, within(off_lines, vec3<double>()), {.rounding = 1e-4}, lattice);
+  holds(
+      "noise2d, op::Noise",
+      [](const auto& p) {
+        return noise2d(vec2{p.x, p.y});
+      },
+      within(off_lines, vec3<double>()), {.rounding = 1e-4}, lattice);
+  holds(
+      "noise3d, op::Noise", [](const auto& p) { return noise3d(p); }, within(off_lines, vec3<double>()),
+      {.rounding = 1e-4}, lattice);
 }
 TEST_CASE("Sloped: sums, products and what goes through a function, with their slopes", "[math][gradient]") {
   holds("Sloped",

@@ -44,16 +44,15 @@ TEST_CASE("Spherical harmonics: are orthonormal over the sphere", "[math][energy
 }
 TEST_CASE("Spherical harmonics: one value and right slopes in every number", "[math][gradient]") {
   // All harmonics are in the sum.
-  holds(
-      "sh_sum, spherical_harmonics",
-      [](const auto& d) {
-        using T = std::remove_cvref_t<decltype(d.x)>;
-        std::array<T, 25> c;
-        for (int i = 0; i < 25; ++i) c[std::size_t(i)] = T(0.125f * float(i * 7 % 11) - 0.5f);
-        return sh_sum<4>(c, normalize(d));
-      },
-      within([](const auto& d) { return length(d) > 0.3; }, vec3<double>()), {},
-      {"poles, a zero-length vector", {{{0, 0, 1}}, {{0, 0, -1}}, {{0, 1, 0}}}, {{{0, 0, 0}}}});
+  holds("sh_sum, spherical_harmonics",
+        [](const auto& d) {
+          using T = std::remove_cvref_t<decltype(d.x)>;
+          std::array<T, 25> c;
+          for (int i = 0; i < 25; ++i) c[std::size_t(i)] = T(0.125f * float(i * 7 % 11) - 0.5f);
+          return sh_sum<4>(c, normalize(d));
+        },
+        within([](const auto& d) { return length(d) > 0.3; }, vec3<double>()), {},
+        {"poles, a zero-length vector", {{{0, 0, 1}}, {{0, 0, -1}}, {{0, 1, 0}}}, {{{0, 0, 0}}}});
   std::array<vec3<float>, 4> sky{vec3<float>(1.0f), vec3<float>(0.0f), vec3<float>(0.5f), vec3<float>(0.0f)};
   CHECK(sh_sum<1>(sky, vec3<float>{0, 0, 1}).y == Approx(0.28209479 + 0.24430126));
 }

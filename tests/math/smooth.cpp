@@ -62,15 +62,22 @@ TEST_CASE("Soft edges: one value and right slopes in every number", "[math][grad
   const Hard<std::tuple<Soft<double>>> ends{
       "both ends and the middle of the soft part",
       {{{0.5, 0.25, 0.25}}, {{0.0, 0.25, 0.25}}, {{0.25, 0.25, 0.25}}, {{0.25, 0.0, 0.25}}, {{0.0, 0.0, 0.25}}}};
-  holds("smooth_step", [](const auto& s) { return smooth_step(s.x, s.a, s.width); }, within(off, any), {}, ends);
-  holds("smooth_max", [](const auto& s) { return smooth_max(s.x, s.a, s.width); }, within(off, any), {}, ends);
-  holds("smooth_min", [](const auto& s) { return smooth_min(s.x, s.a, s.width); }, within(off, any), {}, ends);
-  holds("smooth_abs", [](const auto& s) { return smooth_abs(s.x, s.width); }, within(off, any), {}, ends);
-  holds("smooth_pulse", [](const auto& s) { return smooth_pulse(s.x, s.a, s.a + 0.6f, s.width); },
-        within(beside(0.6), any), {}, ends);
-  holds("smooth_clamp", [](const auto& s) { return smooth_clamp(s.x, s.a, s.a + 0.7f, s.width); },
-        within(beside(0.7), any), {}, ends);
-  holds("soft_threshold", [](const auto& s) { return soft_threshold(s.x, s.a, s.width); }, within(near, any), {}, ends);
+  holds(
+      "smooth_step", [](const auto& s) { return smooth_step(s.x, s.a, s.width); }, within(off, any), {}, ends);
+  holds(
+      "smooth_max", [](const auto& s) { return smooth_max(s.x, s.a, s.width); }, within(off, any), {}, ends);
+  holds(
+      "smooth_min", [](const auto& s) { return smooth_min(s.x, s.a, s.width); }, within(off, any), {}, ends);
+  holds(
+      "smooth_abs", [](const auto& s) { return smooth_abs(s.x, s.width); }, within(off, any), {}, ends);
+  holds(
+      "smooth_pulse", [](const auto& s) { return smooth_pulse(s.x, s.a, s.a + 0.6f, s.width); },
+      within(beside(0.6), any), {}, ends);
+  holds(
+      "smooth_clamp", [](const auto& s) { return smooth_clamp(s.x, s.a, s.a + 0.7f, s.width); },
+      within(beside(0.7), any), {}, ends);
+  holds(
+      "soft_threshold", [](const auto& s) { return soft_threshold(s.x, s.a, s.width); }, within(near, any), {}, ends);
 }
 TEST_CASE("bias and gain: keep the ends, meet their middle and have right slopes", "[math][gradient]") {
   for (double a = 0.1; a < 1; a += 0.1) {
@@ -85,7 +92,10 @@ TEST_CASE("bias and gain: keep the ends, meet their middle and have right slopes
   const auto off_middle = [](const auto& s) {
     return s.x > 0.02 && s.x < 0.98 && std::fabs(s.x - 0.5) > 0.02 && s.a > 0.1 && s.a < 0.9;
   };
-  const Hard<std::tuple<Soft<double>>> ends{"both ends and the middle", {{{0, 0.3, 0}}, {{1, 0.3, 0}}, {{0.5, 0.3, 0}}}};
-  holds("bias", [](const auto& s) { return bias(s.x, s.a); }, within(off_middle, Soft<double>()), {}, ends);
-  holds("gain", [](const auto& s) { return gain(s.x, s.a); }, within(off_middle, Soft<double>()), {}, ends);
+  const Hard<std::tuple<Soft<double>>> ends{"both ends and the middle",
+                                            {{{0, 0.3, 0}}, {{1, 0.3, 0}}, {{0.5, 0.3, 0}}}};
+  holds(
+      "bias", [](const auto& s) { return bias(s.x, s.a); }, within(off_middle, Soft<double>()), {}, ends);
+  holds(
+      "gain", [](const auto& s) { return gain(s.x, s.a); }, within(off_middle, Soft<double>()), {}, ends);
 }

@@ -194,17 +194,19 @@ TEST_CASE("Materials: all numbers agree and the slopes are right", "[nodes][grad
              for (const double r : {0.01, 1.0}) {
                CarPaint<double> p;
                p.base_color = c, p.base_metalness = p.coat_weight = p.flakes.resolved = extreme;
-               p.tint.amount = {0.5, 2 * extreme, 2}, p.specular_roughness = p.coat_roughness = r, p.coat_ior = 1 + extreme;
+               p.tint.amount = {0.5, 2 * extreme, 2}, p.specular_roughness = p.coat_roughness = r,
+               p.coat_ior = 1 + extreme;
                p.flakes.amount = p.mottle.amount = 0.5 * extreme;
                list.push_back({p, 1.525, 0.305}), list.push_back({p, 1e-3, 1e3});  // the first: x lies on the lattice
              }
          return list;
        }()});
-  holds("CarPaint, Flakes, Mottle", [=](const auto& p, const auto& at) { return mixed(sized(p, 1.0f, 1.0f)(at)); },
-        [&](Random& r) {
-          return std::tuple{paint(r), near(r)};
-        },
-        {.rounding = 1e-4, .step = 1e-3});
+  holds(
+      "CarPaint, Flakes, Mottle", [=](const auto& p, const auto& at) { return mixed(sized(p, 1.0f, 1.0f)(at)); },
+      [&](Random& r) {
+        return std::tuple{paint(r), near(r)};
+      },
+      {.rounding = 1e-4, .step = 1e-3});
   const auto look = [](const auto& p) {
     Surfel<float> at;
     at.normal = {0, 0, 1}, at.tangent = {1, 0, 0};

@@ -69,9 +69,8 @@ TEST_CASE("normalmap: decodes, scales the tilt, survives empty texels", "[nodes]
   CHECK(length(NormalMap<double>{}(vec3<double>{0.8, 0.5, 0.9}) - vec3<double>{0.6, 0, 0.8}) < 1e-7);
   CHECK(length(NormalMap<double>{2}(vec3<double>{0.8, 0.5, 0.9}) - normalize(vec3<double>{1.2, 0, 0.8})) < 1e-7);
   for (const double grey : {0.0, 0.5}) {
-    const auto [y, d] =
-        differentiate([](const auto& c) { return mixture(NormalMap<std::remove_cvref_t<decltype(c.x)>>{}(c)); },
-                      vec3<double>(grey));
+    const auto [y, d] = differentiate(
+        [](const auto& c) { return mixture(NormalMap<std::remove_cvref_t<decltype(c.x)>>{}(c)); }, vec3<double>(grey));
     CHECK(y == Approx(0.875));
     CHECK(std::isfinite(d.x + d.y + d.z));
   }
@@ -102,8 +101,10 @@ TEST_CASE("normal nodes: one value and right slopes in every number", "[nodes][g
   const Spot<double> corner, line{{1, 0.5}, {-1, 0.25, 2}};
   const Hard<std::tuple<HeightToNormal<double>, Spot<double>>> lattice{"lattice corners and lines, scale 0",
                                                                        {{{1}, corner}, {{5}, line}, {{0}, line}}};
-  holds("HeightToNormal", [](const auto& node, const auto& s) { return node([](const auto& uv) { return noise2d(uv); }, s.uv); },
-        within(off_lattice, HeightToNormal<double>(), Spot<double>()), {.rounding = 1e-4}, lattice);
+  holds(
+      "HeightToNormal",
+      [](const auto& node, const auto& s) { return node([](const auto& uv) { return noise2d(uv); }, s.uv); },
+      within(off_lattice, HeightToNormal<double>(), Spot<double>()), {.rounding = 1e-4}, lattice);
   holds(
       "bent_normal",
       [](const auto& node, const auto& s) {
@@ -133,7 +134,6 @@ TEST_CASE("normal nodes: recorded by the compiler, recorded at run time and tape
         return mixture(node([](const auto& uv) { return noise2d(uv * 1.5f); }, s.uv));
       },
       HeightToNormal<float>{0.6f}, 300, 1e-4);
-  players_agree<Normals>(
-      [](const auto& node, const auto& n) { return mixture(node(upwards(n.a), upwards(n.b))); },
-      NormalBlend<float>{0.8f});
+  players_agree<Normals>([](const auto& node, const auto& n) { return mixture(node(upwards(n.a), upwards(n.b))); },
+                         NormalBlend<float>{0.8f});
 }

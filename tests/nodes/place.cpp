@@ -20,20 +20,21 @@ TEST_CASE("place2d: scale enlarges, rotate turns, offset moves, in MaterialX's t
 }
 TEST_CASE("place2d: one value and right slopes in every number", "[nodes][gradient]") {
   const auto large = [](const auto& place, const auto&) { return std::min(place.scale.x, place.scale.y) > 0.2; };
-  holds(
-      "Place2d",
-      [](const auto& place, const auto& s) {
-        const auto h = noise2d(s.uv);
-        return std::array{mixture(place(s.uv)), mixture(place.trs(s.uv)), mixture(place.by_texcoord(h)),
-                          mixture(place.by_texcoord_trs(h))};
-      },
-      within(
-          [=](const auto& place, const auto& s) {
-            const auto off = [](double x) { return std::fabs(x - std::round(x)) > 0.03; };  // the noise's lattice lines
-            return large(place, s) && off(s.uv.x) && off(s.uv.y);
-          },
-          Place2d<double>(), Spot<double>()),
-      {.rounding = 1e-4}, {"no turn, whole turns, wrapped uv", {{{}, {}}, {{{}, {1, 1}, 360, {}}, {{7, -3}, {}}}}});
+  holds("Place2d",
+        [](const auto& place, const auto& s) {
+          const auto h = noise2d(s.uv);
+          return std::array{mixture(place(s.uv)), mixture(place.trs(s.uv)), mixture(place.by_texcoord(h)),
+                            mixture(place.by_texcoord_trs(h))};
+        },
+        within(
+            [=](const auto& place, const auto& s) {
+              const auto off = [](double x) {
+                return std::fabs(x - std::round(x)) > 0.03;
+              };  // the noise's lattice lines
+              return large(place, s) && off(s.uv.x) && off(s.uv.y);
+            },
+            Place2d<double>(), Spot<double>()),
+        {.rounding = 1e-4}, {"no turn, whole turns, wrapped uv", {{{}, {}}, {{{}, {1, 1}, 360, {}}, {{7, -3}, {}}}}});
 }
 TEST_CASE("place2d: turns the slopes of what it placed into slopes by texcoord", "[nodes][gradient]") {
   std::mt19937_64 random(8);

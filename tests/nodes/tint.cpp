@@ -72,15 +72,16 @@ TEST_CASE("tint nodes: one value and right slopes in every number", "[nodes][gra
            0.05;
   };
   right("RangeNode", tints, off_inlow, RangeNode<double>(), {.rounding = 1e-3, .step = 2e-3});
-  right("RangeNode", [](const auto& node, const auto& c) { return node.clamped(c.a); },
-        [&](const auto& node, const auto& c) {
-          const auto y = node(c.a);
-          const auto off = [&](double v) {
-            return std::fabs(v - node.outlow) > 0.05 && std::fabs(v - node.outhigh) > 0.05;
-          };
-          return off_inlow(node, c) && node.outlow < node.outhigh && off(y.x) && off(y.y) && off(y.z);
-        },
-        RangeNode<double>(), {.rounding = 1e-3, .step = 1e-3});
+  right(
+      "RangeNode", [](const auto& node, const auto& c) { return node.clamped(c.a); },
+      [&](const auto& node, const auto& c) {
+        const auto y = node(c.a);
+        const auto off = [&](double v) {
+          return std::fabs(v - node.outlow) > 0.05 && std::fabs(v - node.outhigh) > 0.05;
+        };
+        return off_inlow(node, c) && node.outlow < node.outhigh && off(y.x) && off(y.y) && off(y.z);
+      },
+      RangeNode<double>(), {.rounding = 1e-3, .step = 1e-3});
   right("ColorCorrect", tints,
         [](const auto& node, const auto& c) {
           if (!hue_is_plain(c.a, node.hue)) return false;

@@ -5,8 +5,8 @@
 cmake_minimum_required(VERSION 3.22)
 set(rows "glow\tgradient\tdifferences; |d| [all]\t1e-07\t2e-10\t1000\nglue\tvalue\ta table\t0.01\t0.002\t5\n")
 function(run)
-  execute_process(COMMAND ${CMAKE_COMMAND} -D page=${work}/README.md -D record=${work}/record "-Dmachine=a machine" ${ARGN}
-    -P ${script} RESULT_VARIABLE result ERROR_VARIABLE error OUTPUT_QUIET)
+  execute_process(COMMAND ${CMAKE_COMMAND} -D page=${work}/README.md -D record=${work}/record "-Dmachine=a machine"
+    ${ARGN} -P ${script} RESULT_VARIABLE result ERROR_VARIABLE error OUTPUT_QUIET)
   string(REGEX REPLACE "[ \n]+" " " error "${error}")
   set(result ${result} PARENT_SCOPE)
   set(error "${error}" PARENT_SCOPE)

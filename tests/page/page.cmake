@@ -1,8 +1,8 @@
 # tests/page/page.cmake -- tests/README.md, made from what the tests recorded, or compared with it
 # SPDX-License-Identifier: Apache-2.0
 #
-# cmake -D page=<tests/README.md> -D record=<folder> -D programs=test_ad,test_math,... -D partial=test_io,... -D machine=<text>
-#   [-D check=ON] -P page.cmake
+# cmake -D page=<tests/README.md> -D record=<folder> -D programs=test_ad,test_math,... -D partial=test_io,...
+#   -D machine=<text> [-D check=ON] -P page.cmake
 #
 # programs: those of this build; partial: those that lack a file, as its packages are missing. check: the page has the
 # rows that were recorded, each with its tolerance; figures and numbers of points differ from machine to machine.
@@ -99,13 +99,13 @@ set(text "# What the tests checked
 Written by the tests themselves; to write it anew: `cmake --build --preset release --target tests_readme`. A test fails
 when this page names other claims or tolerances than the tests make.
 
-Every row is a claim that a test made and that held: `figure` is the worst that was found over that many `points`, and it
-was at most `tolerance`. Of rows of the kind `gradient` the figure is the largest error of a slope, as a part of the slope,
-against differences in double, at random points off the function's edges; the same lines of the tests hold float, double,
-both packets, Var, Dual and the replayed recording to one value. Of the kind `hard places` it is the number of places at
-which a value or slope is no number (NaN, infinite), in float, double or any player, or a slope that of neither side. Where
-a function has an edge, and what slope is given there, stands at the function in its header; the tests name the edges that
-their random points keep off.
+Every row is a claim that a test made and that held: `figure` is the worst that was found over that many `points`, and
+it was at most `tolerance`. Of rows of the kind `gradient` the figure is the largest error of a slope, as a part of
+the slope, against differences in double, at random points off the function's edges; the same lines of the tests hold
+float, double, both packets, Var, Dual and the replayed recording to one value. Of the kind `hard places` it is the
+number of places at which a value or slope is no number (NaN, infinite), in float, double or any player, or a slope is
+that of neither side. Where a function has an edge, and what slope is given there, stands at the function in its
+header; the tests name the edges that their random points keep off.
 
     ./tests/run.sh             # everything, 1,000 random points a function
     ./tests/run.sh --thorough  # the same with 10,000
@@ -124,7 +124,8 @@ foreach(floor IN LISTS order)
   if(NOT floor IN_LIST floors)
     continue()
   endif()
-  string(APPEND text "\n## ${floor}/\n\n| what | kind | against | tolerance | figure | points |\n| --- | --- | --- | --- | --- | --- |\n")
+  string(APPEND text "\n## ${floor}/\n\n| what | kind | against | tolerance | figure | points |\n"
+    "| --- | --- | --- | --- | --- | --- |\n")
   foreach(row IN LISTS rows_${floor})
     decode("${row}" row)
     string(APPEND text "${row}\n")

@@ -1,13 +1,13 @@
-# tests/register/register.cmake -- every public differentiable function has a gradient that the tests of this run checked
-# SPDX-License-Identifier: Apache-2.0
+# tests/register/register.cmake -- every public differentiable function has a gradient that the tests of this run
+# checked SPDX-License-Identifier: Apache-2.0
 #
 # cmake -D include=<the folder above burnish/> -D record=<the folder of the programs' records> [-D scratch=ON]
 #   -P register.cmake
 # scratch: the headers are not all of the library's, so exemptions may be left over.
 #
-# The headers are read as text: what counts is a template over a number T at the level of namespace burnish (a function, a
-# struct), an operation, a loss, and what the macros BURNISH_PLAIN and BURNISH_BLEND make. Its name must stand in the
-# first column of a row of kind `gradient`.
+# The headers are read as text: what counts is a template over a number T at the level of namespace burnish (a
+# function, a struct), an operation, a loss, and what the macros BURNISH_PLAIN and BURNISH_BLEND make. Its name must
+# stand in the first column of a row of kind `gradient`.
 cmake_minimum_required(VERSION 3.22)
 
 set(floors ad math nodes shade light)
@@ -47,8 +47,8 @@ function(wanted name header)
   if(NOT name IN_LIST records AND NOT name IN_LIST exempt)
     string(REGEX REPLACE "/.*" "" floor ${header})
     message(SEND_ERROR "${header}: no gradient of '${name}' was checked. Add a line to tests/${floor}/: "
-      "differences::holds(\"${name}\", ...), see tests/differences.h. (If it has no slopes by its nature, name it and the "
-      "reason in tests/register/register.cmake.)")
+      "differences::holds(\"${name}\", ...), see tests/differences.h. (If it has no slopes by its nature, name it and "
+      "the reason in tests/register/register.cmake.)")
   endif()
 endfunction()
 
@@ -63,13 +63,15 @@ endif()
 foreach(header IN LISTS headers)
   file(READ ${include}/burnish/${header} text)
   string(REGEX REPLACE "//[^\n]*" "" text "${text}")
-  string(REGEX REPLACE "#define[^\n]*(\\\\\n[^\n]*)*" "" text "${text}")  # what macros make is named where they are used
+  # What macros make is named where they are used.
+  string(REGEX REPLACE "#define[^\n]*(\\\\\n[^\n]*)*" "" text "${text}")
   string(REGEX REPLACE "std::size_t\\([^()]*(\\([^()]*\\))?\\)" "" text "${text}")
   string(REPLACE ";" "," text "${text}")  # lists of CMake
   string(REPLACE "[" "(" text "${text}")
   string(REPLACE "]" ")" text "${text}")
   string(REGEX REPLACE "\\\\" "" text "${text}")
-  string(REGEX REPLACE ">[ \n]+(constexpr|struct|inline)" "> \\1" text "${text}")  # a template on one line with its name
+  # A template is on one line with its name.
+  string(REGEX REPLACE ">[ \n]+(constexpr|struct|inline)" "> \\1" text "${text}")
   string(REGEX REPLACE "(constexpr|inline)([^\n(){},]*)\n *" "\\1\\2 " text "${text}")
   string(REPLACE "\n" ";" lines "${text}")
   set(depth 0)

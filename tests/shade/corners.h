@@ -35,8 +35,8 @@ inline std::vector<Corner> all() {
   return list;
 }
 /// arguments(corner): a tuple, the arguments of a function there; stated(corner): it has no slope there.
-template <class F, class Stated = bool (*)(const Corner&)>
-auto of(F arguments, Stated stated = [](const Corner&) { return false; }) {
+template <class F, class Stated = bool (*)(const Corner&)> auto of(
+    F arguments, Stated stated = [](const Corner&) { return false; }) {
   differences::Hard<decltype(arguments(Corner()))> hard{
       "grazing, opposite, below the horizon; roughness 0 and .01; black, white; metal, dielectric; ior 1", {}};
   for (const Corner& k : all()) (stated(k) ? hard.stated : hard.points).push_back(arguments(k));

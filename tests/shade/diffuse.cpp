@@ -80,16 +80,18 @@ TEST_CASE("Diffuse: all numbers agree and the slopes are right", "[shade][gradie
   const auto hard = corners::of([](const corners::Corner& k) {
     return std::tuple{k.surface.base_color, k.surface.base_diffuse_roughness, k.c, std::max(k.l.z, 0.0), dot(k.v, k.l)};
   });
-  holds("oren_nayar",
-        [](const auto& a, auto r, auto nl, auto nv, auto vl) {
-          const auto f = oren_nayar(a, r, nl, nv, vl);
-          return f.x + 2.0f * f.y + 3.0f * f.z;
-        },
-        draw, {.rounding = 1e-5, .scale = 0.1}, hard);  // what crosses a rough surface at grazing is a difference near 0
-  holds("burley, lambert",
-        [](const auto& a, auto r, auto nl, auto nv, auto vh) {
-          const auto f = burley(a, r, nl, nv, vh) + lambert(a);
-          return f.x + 2.0f * f.y + 3.0f * f.z;
-        },
-        draw, {.rounding = 1e-5, .scale = 1e-3}, hard);
+  holds(
+      "oren_nayar",
+      [](const auto& a, auto r, auto nl, auto nv, auto vl) {
+        const auto f = oren_nayar(a, r, nl, nv, vl);
+        return f.x + 2.0f * f.y + 3.0f * f.z;
+      },
+      draw, {.rounding = 1e-5, .scale = 0.1}, hard);  // what crosses a rough surface at grazing is a difference near 0
+  holds(
+      "burley, lambert",
+      [](const auto& a, auto r, auto nl, auto nv, auto vh) {
+        const auto f = burley(a, r, nl, nv, vh) + lambert(a);
+        return f.x + 2.0f * f.y + 3.0f * f.z;
+      },
+      draw, {.rounding = 1e-5, .scale = 1e-3}, hard);
 }

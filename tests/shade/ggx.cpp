@@ -117,18 +117,22 @@ TEST_CASE("GGX: all numbers agree and the slopes are right", "[shade][gradient]"
     return std::tuple{between(r, 0.1, 1), nh, 1 - nh * nh};
   };
   const auto three = [](Random& r) { return std::tuple{between(r, 0.1, 1), between(r, 0.05, 1), between(r, 0.05, 1)}; };
-  holds("ggx_d", [](auto r, auto nh, auto sin2) { return ggx_d(r, nh, sin2); }, lobe, fine,
-        corners::of([](const Corner& k) { return std::tuple{k.surface.specular_roughness, k.c, 1 - k.c * k.c}; }));
+  holds(
+      "ggx_d", [](auto r, auto nh, auto sin2) { return ggx_d(r, nh, sin2); }, lobe, fine,
+      corners::of([](const Corner& k) {
+        return std::tuple{k.surface.specular_roughness, k.c, 1 - k.c * k.c};
+      }));
   const auto by_vectors = [](auto r, const auto& n, const auto& h) { return ggx_d(r, n, h); };
   const auto halfway = corners::of([](const Corner& k) {
     const vec3<double> h = k.v + k.l;  // 0 where they are opposite
     return std::tuple{k.surface.specular_roughness, z, length(h) > 0 ? normalize(h) : h};
   });
-  holds("ggx_d", by_vectors,
-        [](Random& r) {
-          return std::tuple{between(r, 0.3, 1), upward(r, 0.5), upward(r, 0.5)};
-        },
-        fine, halfway);
+  holds(
+      "ggx_d", by_vectors,
+      [](Random& r) {
+        return std::tuple{between(r, 0.3, 1), upward(r, 0.5), upward(r, 0.5)};
+      },
+      fine, halfway);
   // A sharp lobe, inside of it, in steps that it can bear.
   holds("ggx_d", by_vectors,
         [](Random& r) {
@@ -140,26 +144,33 @@ TEST_CASE("GGX: all numbers agree and the slopes are right", "[shade][gradient]"
   const auto seen = corners::of([](const Corner& k) {
     return std::tuple{k.surface.specular_roughness, k.c, std::max(k.l.z, 1e-4)};  // not both 0
   });
-  holds("ggx_g1", [](auto r, auto c, auto) { return ggx_g1(r, c); }, three, fine, seen);
-  holds("ggx_v_smith_separable", [](auto r, auto nl, auto nv) { return ggx_v_smith_separable(r, nl, nv); }, three, fine,
-        corners::of([](const Corner& k) { return std::tuple{k.surface.specular_roughness, k.c, k.c}; }));
-  holds("ggx_v_smith_correlated", [](auto r, auto nl, auto nv) { return ggx_v_smith_correlated(r, nl, nv); }, three,
-        fine, seen);
-  holds("ggx_visible_normal_pdf", [](auto r, auto nv, auto vh) { return ggx_visible_normal_pdf(r, nv, vh, 2.0f * vh); },
-        three, fine, seen);
+  holds(
+      "ggx_g1", [](auto r, auto c, auto) { return ggx_g1(r, c); }, three, fine, seen);
+  holds(
+      "ggx_v_smith_separable", [](auto r, auto nl, auto nv) { return ggx_v_smith_separable(r, nl, nv); }, three, fine,
+      corners::of([](const Corner& k) {
+        return std::tuple{k.surface.specular_roughness, k.c, k.c};
+      }));
+  holds(
+      "ggx_v_smith_correlated", [](auto r, auto nl, auto nv) { return ggx_v_smith_correlated(r, nl, nv); }, three, fine,
+      seen);
+  holds(
+      "ggx_visible_normal_pdf", [](auto r, auto nv, auto vh) { return ggx_visible_normal_pdf(r, nv, vh, 2.0f * vh); },
+      three, fine, seen);
   // Off the edges: v along the normal, u = 0, the rim of the disc.
-  holds("ggx_sample_visible_normal",
-        [](auto r, const auto& v, const auto& u) {
-          const auto h = ggx_sample_visible_normal(r, v, u);
-          return h.x + 2.0f * h.y + 3.0f * h.z;
-        },
-        [](Random& r) {
-          vec3<double> v = upward(r, 0.2);
-          while (v.z > 0.95) v = upward(r, 0.2);
-          return std::tuple{between(r, 0.1, 1), v, vec2<double>(between(r, 0.05, 0.9), between(r, 0.05, 0.95))};
-        },
-        {.rounding = 1e-5}, corners::of([](const Corner& k) {
-          return std::tuple{k.surface.specular_roughness, vec3<double>(k.v.x, k.v.y, std::max(k.v.z, 1e-3)),
-                            vec2<double>(k.c, k.surface.base_weight)};
-        }));
+  holds(
+      "ggx_sample_visible_normal",
+      [](auto r, const auto& v, const auto& u) {
+        const auto h = ggx_sample_visible_normal(r, v, u);
+        return h.x + 2.0f * h.y + 3.0f * h.z;
+      },
+      [](Random& r) {
+        vec3<double> v = upward(r, 0.2);
+        while (v.z > 0.95) v = upward(r, 0.2);
+        return std::tuple{between(r, 0.1, 1), v, vec2<double>(between(r, 0.05, 0.9), between(r, 0.05, 0.95))};
+      },
+      {.rounding = 1e-5}, corners::of([](const Corner& k) {
+        return std::tuple{k.surface.specular_roughness, vec3<double>(k.v.x, k.v.y, std::max(k.v.z, 1e-3)),
+                          vec2<double>(k.c, k.surface.base_weight)};
+      }));
 }

@@ -48,8 +48,8 @@ template <class T> constexpr Hexcone<T> hexcone(const vec3<T>& c) {
   const T middle = select(red, side(c.y >= c.z), select(green, side(c.z > c.x), side(c.x >= c.y)));
   return {largest, largest - least, sector, offset, middle, largest > least};
 }
-/// Of k = h + n, wrapped to [0, 6): 1 on [1, 3], 0 on [4, 6], straight between. The slope at an end is that above it, so
-/// that the three channels of a colour are on one side.
+/// Of k = h + n, wrapped to [0, 6): 1 on [1, 3], 0 on [4, 6], straight between. The slope at an end is that above it,
+/// so that the three channels of a colour are on one side.
 template <class T> constexpr T hue_ramp(const T& h, float n) {
   const T k = (h + n) - 6.0f * floor((h + n) * (1.0f / 6.0f));
   return select(k < T(1.0f), k, select(k < T(3.0f), T(1.0f), select(k < T(4.0f), 4.0f - k, T(0.0f))));
