@@ -2,8 +2,9 @@
 # tests/run.sh -- on Debian 12 or Ubuntu 24.04: installs what is missing, builds the tests three ways and runs them
 # SPDX-License-Identifier: Apache-2.0
 #
-#   tests/run.sh           g++, clang, and g++ with sanitizers
-#   tests/run.sh --quick   g++ only
+#   tests/run.sh              g++, clang, and g++ with sanitizers
+#   tests/run.sh --quick      g++ only
+#   tests/run.sh --thorough   every function is tried at 10,000 random points instead of 1,000; also with --quick
 #
 # Exits with 0 when everything passed; the last line counts the tests of all ways.
 set -uo pipefail
@@ -11,12 +12,14 @@ cd "$(dirname "${BASH_SOURCE[0]}")/.." || exit 2
 source tests/setup.sh
 
 quick=
-case "${1:-}" in
-  '') ;;
-  --quick) quick=1 ;;
-  -h | --help) sed -n '2,8s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"; exit 0 ;;
-  *) echo "tests/run.sh: unknown argument '$1' (only --quick)" >&2; exit 2 ;;
-esac
+for argument; do
+  case "$argument" in
+    --quick) quick=1 ;;
+    --thorough) export BURNISH_TEST_POINTS=10000 ;;
+    -h | --help) sed -n '2,9s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"; exit 0 ;;
+    *) echo "tests/run.sh: unknown argument '$argument' (only --quick, --thorough)" >&2; exit 2 ;;
+  esac
+done
 
 # The clang to test with: the oldest that is here and can compile the library.
 find_clang() {

@@ -2,9 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cstring>
 #include <burnish/light/illuminate.h>
-#include "../shade/everywhere.h"
+#include <differences.h>
 #include "reference.h"
-using namespace everywhere;
+using namespace differences;
 using reference::Surfels;
 
 namespace {
@@ -243,21 +243,23 @@ TEST_CASE("LightTable: floats, packets and doubles read one value, neighbours an
 TEST_CASE("LightTable: one value in every number, and right slopes by roughness", "[light][gradient]") {
   // Edges: the knots, where the second slope jumps, and the range's ends; drawn off them.
   static const LightOf<float> light(EnvironmentLight(soft_with_sun(), 0, false), Surfels(40, 0.1));
-  holds(
-      [](const auto& i, const auto& r,
-         const auto& strength) {  // strength: what a flat stretch's slope is compared with
-        using T = std::remove_cvref_t<decltype(r)>;
-        const auto y = apply<LightTable<12>>(as<T>(light), floor(i), r);
-        T sum = 0.0f;
-        for (int c = 0; c < 12; ++c) sum += y[std::size_t(c)] * (1.0f + 0.3f * c);
-        return sum * strength;
-      },
-      [](Random& random) {
-        const double first = std::pow(0.02, 0.25), step = (1 - first) / (Illumination::knots - 1);
-        const double place = int(random() % (Illumination::knots - 1)) + between(random, 0.1, 0.9);
-        return std::tuple(std::floor(between(random, 0, 40)) + 0.5, std::pow(first + place * step, 4), 1.0);
-      },
-      2e-5, 1e-2, 1e-3);
+  holds("LightTable",
+        Unrecorded{[](const auto& i, const auto& r, const auto& strength) {  // strength: what a flat stretch's slope is
+          using T = std::remove_cvref_t<decltype(r)>;                        // compared with
+          const auto y = apply<LightTable<12>>(as<T>(light), floor(i), r);
+          T sum = 0.0f;
+          for (int c = 0; c < 12; ++c) sum += y[std::size_t(c)] * (1.0f + 0.3f * c);
+          return sum * strength;
+        }},
+        [](Random& random) {
+          const double first = std::pow(0.02, 0.25), step = (1 - first) / (Illumination::knots - 1);
+          const double place = int(random() % (Illumination::knots - 1)) + between(random, 0.1, 0.9);
+          return std::tuple(std::floor(between(random, 0, 40)) + 0.5, std::pow(first + place * step, 4), 1.0);
+        },
+        {.rounding = 2e-5, .scale = 1e-2, .step = 1e-3},
+        {"both ends and beyond, past the last surfel",
+         {{0.5, 1.0, 1.0}, {0.5, 0.01, 1.0}, {39.5, 1.5, 1.0}, {99.5, 0.0, 1.0}, {-3.5, 0.5, 1.0}},
+         {{0.5, 0.02, 1.0}}});
 }
 
 TEST_CASE("illuminate: sky and suns on a layered surface are the integral of brdf_cos over the sphere",
@@ -333,16 +335,32 @@ TEST_CASE("illuminate: one value in every number, and right slopes by surface an
   }();
   static const LightOf<float> light(e, s);
   int which = 0;
+  // No surface reflects a sky of its own with roughness below the table's least; its slope there is 0.
+  using Point = std::tuple<Surface<double>, LightStrength<double>>;
+  const Hard<Point> extremes{"roughness 0, .01 and 1; black, white; metal, dielectric; no light", {}, [] {
+                               std::vector<Point> list;
+                               for (const double extreme : {0.0, 1.0})
+                                 for (const double r : {0.0, 0.01, 1.0})
+                                   for (const double part : {0.0, 0.5, 1.0}) {
+                                     Surface<double> x;
+                                     x.base_color = x.specular_color = x.coat_color = vec3<double>(extreme);
+                                     x.base_weight = x.coat_weight = extreme, x.base_metalness = part;
+                                     x.specular_roughness = x.coat_roughness = r;
+                                     x.specular_ior = x.coat_ior = 1 + extreme, x.transmission_weight = 1 - extreme;
+                                     list.push_back({x, {vec3<double>(part), vec3<double>(extreme)}});
+                                   }
+                               return list;
+                             }()};
   for (int normals = 0; normals < 2; ++normals)
     holds(
-        [&](const auto& drawn, const auto& strength) {
+        "illuminate, moments, sunlit, LightStrength, Sun", Unrecorded{[&](const auto& drawn, const auto& strength) {
           using T = std::remove_cvref_t<decltype(drawn.base_weight)>;
           auto surface = drawn;  // normals of unit length are an edge of their own: a difference would leave the sphere
           surface.geometry_normal = normalize(drawn.geometry_normal);
           surface.geometry_coat_normal = normalize(drawn.geometry_coat_normal);
           const vec3<T> c = illuminate(surface, at(s, which), as<T>(light), List<Sun, T>{e.suns}, strength);
           return c.x + 0.5f * c.y + 0.25f * c.z;
-        },
+        }},
         [&](Random& random) {
           which = int(random() % 16);
           Surface<double> surface = inside<Surface<double>>(random);
@@ -370,5 +388,5 @@ TEST_CASE("illuminate: one value in every number, and right slopes by surface an
           }
           return std::tuple(surface, inside<LightStrength<double>>(random));
         },
-        1e-3, 1e-2, 3e-4);
+        {.rounding = 1e-3, .scale = 1e-2, .step = 3e-4}, extremes);
 }

@@ -1,9 +1,9 @@
 // tests/light/sky.cpp -- the laws of burnish/light/sky.h
 // SPDX-License-Identifier: Apache-2.0
 #include <burnish/light/sky.h>
-#include "../math/laws.h"
+#include <differences.h>
 #include "reference.h"
-using namespace burnish;
+using namespace differences;
 
 namespace {
 /// Any of bands 0 to 4.
@@ -11,12 +11,6 @@ double soft(const vec3<double>& d) {
   return 2 + d.y - 0.5 * d.x + 0.7 * d.x * d.z + 0.4 * (3 * d.y * d.y - 1) + 0.3 * d.x * d.y * d.z +
          0.2 * (std::pow(d.x, 4) - 6 * d.x * d.x * d.z * d.z + std::pow(d.z, 4));
 }
-/// A unit direction out of two free numbers, in any number type.
-struct Direction {
-  template <class T> static vec3<T> of(const T& a, const T& b) {
-    return normalize(vec3<T>(cos(a), 0.7f * sin(b) + 0.1f, sin(a)));
-  }
-};
 }  // namespace
 
 TEST_CASE("HarmonicSky: bands that an environment has are found and given back", "[light][value]") {
@@ -66,12 +60,24 @@ TEST_CASE("HarmonicSky: suns enter the projection when asked for, with all their
 
 TEST_CASE("HarmonicSky: one value in every number, and right slopes by coefficients and direction",
           "[light][gradient]") {
-  const auto at = [](auto f) {
-    return [f](const auto& sky, const auto& a, const auto& b) { return f(sky, Direction::of(a, b)); };
+  const auto long_enough = [](const auto&, const auto& d) { return length(d) > 0.3; };
+  const auto poles = [](auto sky) {
+    using Point = std::tuple<decltype(sky), vec3<double>>;
+    return Hard<Point>{"poles, seam, a zero-length vector",
+                       {Point{sky, {0, 1, 0}}, Point{sky, {0, -1, 0}}, Point{sky, {0, 0, -1}}, Point{sky, {0, 0, 1}}},
+                       {Point{sky, {0, 0, 0}}}};
   };
-  laws::hold(at([](const auto& s, const auto& d) { return sky_radiance(s, d); }), HarmonicSky2<double>{}, 0.0, 0.0);
-  laws::hold(at([](const auto& s, const auto& d) { return sky_irradiance(s, d); }), laws::Anywhere{},
-             laws::How{2e-5, 1e-2, 200}, HarmonicSky4<double>{}, 0.0, 0.0);
-  laws::hold(at([](const auto& s, const auto& d) { return sky_irradiance<2>(s, d); }), HarmonicSky2<double>{}, 0.0,
-             0.0);
+  const HarmonicSky2<double> two;
+  const HarmonicSky4<double> four;
+  holds(
+      "sky_radiance, HarmonicSky2", [](const auto& s, const auto& d) { return sky_radiance(s, normalize(d)); },
+      within(long_enough, two, vec3<double>()), {}, poles(two));
+  holds(
+      "sky_irradiance, HarmonicSky4", [](const auto& s, const auto& d) { return sky_irradiance(s, normalize(d)); },
+      within(long_enough, four, vec3<double>()), {}, poles(four));
+  holds(
+      "sky_irradiance, HarmonicSky2", [](const auto& s, const auto& d) { return sky_irradiance<2>(s, normalize(d)); },
+      within(long_enough, two, vec3<double>()), {}, poles(two));
+  holds("turned", [](const auto& d, const auto& yaw) { return turned(d, yaw); }, within(anywhere, vec3<double>(), 0.0),
+        {}, {"no turn", {{{0, 1, 0}, 0.0}, {{0, 0, -1}, 0.0}}});
 }

@@ -2,9 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <burnish/light/sun.h>
 #include <burnish/shade/ggx.h>
-#include "../shade/everywhere.h"
+#include <differences.h>
 #include "reference.h"
-using namespace everywhere;
+using namespace differences;
 
 namespace {
 const vec3<double> up(0, 0, 1);
@@ -84,13 +84,22 @@ TEST_CASE("ggx_d_spot: it depends on angles only, not on the frame", "[light][sy
 
 TEST_CASE("ggx_d_spot: one value in every number, and right slopes by everything", "[light][gradient]") {
   // Edge: v and l opposite (dot(n, v + l) = 1e-3); drawn well above it.
-  holds([](const auto& n, const auto& v, const auto& l, const auto& r,
-           const auto& variance) { return ggx_d_spot(n, v, l, r, variance); },
-        [](Random& random) {
-          return std::tuple(upward(random, 0.95), upward(random, 0.3), upward(random, 0.3), between(random, 0.2, 0.9),
-                            between(random, 1e-3, 1e-2));
-        },
-        1e-4, 1e-3, 1e-3);
+  holds(
+      "ggx_d_spot",
+      [](const auto& n, const auto& v, const auto& l, const auto& r, const auto& variance) {
+        return ggx_d_spot(n, v, l, r, variance);
+      },
+      [](Random& random) {
+        return std::tuple(upward(random, 0.95), upward(random, 0.3), upward(random, 0.3), between(random, 0.2, 0.9),
+                          between(random, 1e-3, 1e-2));
+      },
+      {.rounding = 1e-4, .scale = 1e-3, .step = 1e-3},
+      {"grazing, along the normal, roughness .02",
+       {{up, up, up, 0.02, 1e-3},
+        {up, up, up, 1.0, 1e-7},
+        {up, {1, 0, 0}, {0, 0.6, 0.8}, 0.02, 5.4e-6},
+        {up, {0, 0, 1}, {1, 0, 0}, 0.5, 0.1}},
+       {{up, {0, 0.6, 0.8}, {0, -0.6, -0.8}, 0.02, 1e-3}, {up, {1, 0, 0}, {-1, 0, 0}, 1.0, 1e-7}}});  // opposite
 }
 
 TEST_CASE("ggx_d_spot: finite in float for every light, view and roughness", "[light][limit]") {

@@ -1,9 +1,9 @@
 // tests/math/color.cpp -- colour spaces: known values, round trips, slopes, and grey
 // SPDX-License-Identifier: Apache-2.0
 #include <burnish/math/color.h>
-#include <math/laws.h>
+#include <differences.h>
 
-using namespace burnish;
+using namespace differences;
 
 namespace {
 template <class T> struct Color {
@@ -17,6 +17,9 @@ const auto apart = [](const auto& x) {
   const auto& c = x.c;
   return std::min({c.x, c.y, c.z, std::fabs(c.x - c.y), std::fabs(c.y - c.z), std::fabs(c.z - c.x)}) > 0.02;
 };
+const vec3<double> ties[] = {vec3<double>(0.5), vec3<double>(0.0), {0.7, 0.7, 0.2},  {0.1, 0.6, 0.6},
+                             {1, 0, 0},         {0.3, 0.3, 0.9},   {0.2, 0.5, 0.2},  {0, 1, 1},
+                             {1, 0, 1},         {0.6, 0.1, 0.1},   vec3<double>(0.9)};
 /// A hue off the sixths of a turn.
 const auto off_sixths = [](double hue) { return std::fabs(hue * 6 - std::round(hue * 6)) > 0.1; };
 
@@ -48,16 +51,23 @@ TEST_CASE("sRGB: known values, there and back, right slopes", "[math][gradient]"
     return std::min({std::fabs(p.x - 0.04045), std::fabs(p.y - 0.04045), std::fabs(p.z - 0.04045),
                      std::fabs(p.x - 0.0031308), std::fabs(p.y - 0.0031308), std::fabs(p.z - 0.0031308)}) > 0.005;
   };
-  laws::hold([](const auto& c) { return linear_from_srgb(c); }, off_edge, {.step = 1e-3}, vec3<double>());
-  laws::hold([](const auto& c) { return srgb_from_linear(c); }, off_edge, {.step = 1e-3}, vec3<double>());
-  laws::hold([](const auto& c) { return luminance(c); }, vec3<double>());
+  const Hard<std::tuple<vec3<double>>> ends{"black, white, beyond both, the edges",
+                                            {{{0, 1, -1}}, {{4, -0.0, 0.04045f}}, {{0.0031308f, 100, -100}}}};
+  holds(
+      "linear_from_srgb", [](const auto& c) { return linear_from_srgb(c); }, within(off_edge, vec3<double>()),
+      {.step = 1e-3}, ends);
+  holds(
+      "srgb_from_linear", [](const auto& c) { return srgb_from_linear(c); }, within(off_edge, vec3<double>()),
+      {.step = 1e-3}, ends);
+  holds(
+      "luminance", [](const auto& c) { return luminance(c); }, within(anywhere, vec3<double>()));
   CHECK(luminance(vec3<double>(1)) == Approx(1));
 }
 TEST_CASE("HSV: agrees with the procedures by cases, there and back", "[math][value]") {
   std::mt19937_64 random(4);
   for (int i = 0; i < 1000; ++i) {
     Color<double> p;
-    laws::move(random, p);
+    move(random, p);
     CHECK(distance(rgbtohsv(p.c), hsv_by_cases(p.c)) < 1e-6);
     CHECK(distance(hsvtorgb(rgbtohsv(p.c)), p.c) < 1e-6);
     const vec3<double> hsv{p.amount.x * 2 - 1.5, p.c.x, p.c.y};
@@ -72,21 +82,30 @@ TEST_CASE("HSV: agrees with the procedures by cases, there and back", "[math][va
   CHECK(distance(hsvtorgb(vec3<double>{1 / 3.0, 1, 1}), {0, 1, 0}) < 1e-6);
 }
 TEST_CASE("HSV: one value and right slopes in every number", "[math][gradient]") {
-  laws::hold([](const auto& x) { return rgbtohsv(x.c); }, apart, {.rounding = 1e-4, .step = 3e-3}, Color<double>());
-  laws::hold(
+  Hard<std::tuple<Color<double>>> hard{"black, grey, white, saturated, ties of two channels, whole turns", {}},
+      by_hue = hard;
+  for (const vec3<double>& c : ties)
+    for (const double hue : {-1.0, 0.0, 0.5, 1.0})
+      for (const Color<double>& x : {Color<double>{c, {hue, 0, 1}}, Color<double>{c, {hue, 2, 0}}}) {
+        hard.points.push_back({x});
+        (c.x == c.y && c.y == c.z ? by_hue.stated : by_hue.points).push_back({x});
+      }
+  holds(
+      "rgbtohsv", [](const auto& x) { return rgbtohsv(x.c); }, within(apart, Color<double>()),
+      {.rounding = 1e-4, .step = 3e-3}, by_hue);
+  holds(
+      "hsvtorgb",
       [](const auto& x) {
         return hsvtorgb(vec3{x.amount.x, x.c.y, x.c.z});
       },
-      [](const auto& x) { return off_sixths(x.amount.x); }, {.step = 3e-3}, Color<double>());
-  laws::hold([](const auto& x) { return hsvadjust(x.c, x.amount); },
-             [](const auto& x) { return apart(x) && off_sixths(hsv_by_cases(x.c).x + x.amount.x); }, {.step = 3e-3},
-             Color<double>());
+      within([](const auto& x) { return off_sixths(x.amount.x); }, Color<double>()), {.step = 3e-3}, hard);
+  holds(
+      "hsvadjust", [](const auto& x) { return hsvadjust(x.c, x.amount); },
+      within([](const auto& x) { return apart(x) && off_sixths(hsv_by_cases(x.c).x + x.amount.x); }, Color<double>()),
+      {.step = 3e-3}, hard);
 }
 TEST_CASE("hsvadjust: the identity has the slopes of the identity, at grey too", "[math][limit]") {
-  for (const vec3<double>& c :
-       {vec3<double>(0.5), vec3<double>(0.0), vec3<double>{0.7, 0.7, 0.2}, vec3<double>{0.1, 0.6, 0.6},
-        vec3<double>{1, 0, 0}, vec3<double>{0.3, 0.3, 0.9}, vec3<double>{0.2, 0.5, 0.2}, vec3<double>{0, 1, 1},
-        vec3<double>{1, 0, 1}, vec3<double>{0.6, 0.1, 0.1}, vec3<double>(0.9)}) {
+  for (const vec3<double>& c : ties) {
     CAPTURE(c.x, c.y, c.z);
     const auto channel = [](int i) {
       return [i](const auto& x) {
@@ -103,7 +122,7 @@ TEST_CASE("hsvadjust: the identity has the slopes of the identity, at grey too",
       CHECK(d.z == Approx(i == 2).margin(1e-12));
     }
   }
-  const auto [h, d] = differentiate([](const auto& c) { return laws::mixture(rgbtohsv(c)); }, vec3<double>(0.4));
+  const auto [h, d] = differentiate([](const auto& c) { return mixture(rgbtohsv(c)); }, vec3<double>(0.4));
   CHECK(std::isfinite(d.x + d.y + d.z));
 }
 TEST_CASE("XYZ and Lab: white, known values, there and back, right slopes", "[math][gradient]") {
@@ -116,17 +135,26 @@ TEST_CASE("XYZ and Lab: white, known values, there and back, right slopes", "[ma
   std::mt19937_64 random(4);
   for (int i = 0; i < 1000; ++i) {
     Color<double> p;
-    laws::move(random, p);
+    move(random, p);
     CHECK(distance(rgb_from_xyz(xyz_from_rgb(p.c)), p.c) < 2e-6);
     CHECK(distance(rgb_from_lab(lab_from_rgb(p.c)), p.c) < 5e-6);
   }
   // At (6/29)^3 = 0.008856 of X, Y, Z over white only the second derivative jumps.
-  laws::hold([](const auto& x) { return lab_from_rgb(x.c); },
-             [](const auto& x) {
-               return std::min({x.c.x, x.c.y, x.c.z}) > 0.02;
-             },
-             {.rounding = 1e-4, .step = 3e-3}, Color<double>());
-  laws::hold([](const auto& x) { return rgb_from_lab(x.c * 60.0f); }, [](const auto& x) { return x.c.x > 0.4; },
-             {.rounding = 1e-4, .step = 3e-3}, Color<double>());
-  laws::hold([](const auto& x) { return rgb_from_xyz(xyz_from_rgb(x.amount)); }, Color<double>());
+  const Hard<std::tuple<Color<double>>> ends{"black, white, below black",
+                                             {{{vec3<double>(0.0), vec3<double>(0.0)}},
+                                              {{vec3<double>(1.0), vec3<double>(1.0)}},
+                                              {{vec3<double>(-1.0), vec3<double>(-1.0)}}}};
+  const auto off_black = within([](const auto& x) { return std::min({x.c.x, x.c.y, x.c.z}) > 0.02; }, Color<double>());
+  holds(
+      "lab_from_rgb", [](const auto& x) { return lab_from_rgb(x.c); }, off_black, {.rounding = 1e-4, .step = 3e-3},
+      ends);
+  holds(
+      "lab_from_xyz", [](const auto& x) { return lab_from_xyz(x.amount); }, within(anywhere, Color<double>()),
+      {.rounding = 1e-4, .step = 3e-3}, ends);
+  holds(
+      "rgb_from_lab, xyz_from_lab", [](const auto& x) { return rgb_from_lab(x.c * 60.0f); },
+      within([](const auto& x) { return x.c.x > 0.4; }, Color<double>()), {.rounding = 1e-4, .step = 3e-3}, ends);
+  holds(
+      "rgb_from_xyz, xyz_from_rgb", [](const auto& x) { return rgb_from_xyz(xyz_from_rgb(x.amount)); },
+      within(anywhere, Color<double>()));
 }

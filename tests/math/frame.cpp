@@ -1,9 +1,9 @@
 // tests/math/frame.cpp -- frames are orthonormal, mirrored and refracted directions obey their laws
 // SPDX-License-Identifier: Apache-2.0
 #include <burnish/math/frame.h>
-#include <math/laws.h>
+#include <differences.h>
 
-using namespace burnish;
+using namespace differences;
 
 namespace {
 template <class T> bool orthonormal(const Frame<T>& f, double within) {
@@ -37,17 +37,20 @@ TEST_CASE("Frame: is orthonormal and right-handed for every normal", "[math][val
   }
 }
 TEST_CASE("Frame: one value and right slopes in every number", "[math][gradient]") {
-  // Edge: n.z = 0.
-  laws::hold([](const auto& a, const auto& b) { return frame_of(normalize(a)).to_world(b); },
-             [](const auto& a, const auto&) { return std::fabs(a.z) > 0.1; }, laws::How{}, vec3<double>(),
-             vec3<double>());
-  const auto f = [](const auto& a, const auto& b, const auto& c) { return frame_of(normalize(a), b).to_local(c); };
-  laws::hold(
-      f,
-      [](const auto& a, const auto& b, const auto&) {
-        return std::fabs(a.z) > 0.1 && length(a) > 0.3 && length(cross(a, b)) > 0.3;
-      },
-      laws::How{}, vec3<double>(), vec3<double>(), vec3<double>());
+  const auto off_turn = [](const auto& a, const auto&) { return std::fabs(a.z) > 0.1; };  // edge: n.z = 0
+  const vec3<double> x{1, 0, 0}, z{0, 0, 1}, none;
+  holds("frame_of, Frame", [](const auto& a, const auto& b) { return frame_of(normalize(a)).to_world(b); },
+        within(off_turn, vec3<double>(), vec3<double>()), {},
+        {"poles, n.z = 0, zero-length vectors", {{z, x}, {-z, x}, {x, x}, {z, none}}, {{none, x}}});
+  holds("frame_of, Frame",
+        [](const auto& a, const auto& b, const auto& c) { return frame_of(normalize(a), b).to_local(c); },
+        within([](const auto& a, const auto& b,
+                  const auto&) { return std::fabs(a.z) > 0.1 && length(a) > 0.3 && length(cross(a, b)) > 0.3; },
+               vec3<double>(), vec3<double>(), vec3<double>()),
+        {},
+        {"poles, n.z = 0, zero-length vectors, a tangent along the normal",
+         {{z, x, x}, {-z, x, z}},
+         {{z, z, x}, {-x, x, x}, {z, none, x}, {none, x, x}, {none, none, none}}});
 }
 TEST_CASE("reflect and refract: lie in the plane of incidence and obey the laws of Euclid and Snell", "[math][value]") {
   std::mt19937_64 random(2);
@@ -70,13 +73,21 @@ TEST_CASE("reflect and refract: lie in the plane of incidence and obey the laws 
   }
 }
 TEST_CASE("reflect and refract: one value and right slopes in every number", "[math][gradient]") {
-  laws::hold([](const auto& v, const auto& n) { return reflect(v, n); }, vec3<double>(), vec3<double>());
+  const vec3<double> x{1, 0, 0}, z{0, 0, 1}, none;
+  holds("reflect", [](const auto& v, const auto& n) { return reflect(v, n); },
+        within(anywhere, vec3<double>(), vec3<double>()), {},
+        {"grazing, zero-length vectors", {{x, z}, {none, z}, {x, none}}});
   // Edge: the angle of total reflection.
-  laws::hold(
-      [](const auto& v, const auto& n, const auto& eta) { return refract(normalize(v), normalize(n), abs(eta)); },
-      [](const auto& v, const auto& n, const auto& eta) {
-        const double c = dot(normalize(v), normalize(n)), k = 1 - eta * eta * (1 - c * c);
-        return long_enough(v) && long_enough(n) && std::fabs(k) > 0.15 && c * c < 0.99 && std::fabs(eta) > 0.1;
-      },
-      laws::How{}, vec3<double>(), vec3<double>(), 1.0);
+  holds("refract",
+        [](const auto& v, const auto& n, const auto& eta) { return refract(normalize(v), normalize(n), abs(eta)); },
+        within(
+            [](const auto& v, const auto& n, const auto& eta) {
+              const double c = dot(normalize(v), normalize(n)), k = 1 - eta * eta * (1 - c * c);
+              return long_enough(v) && long_enough(n) && std::fabs(k) > 0.15 && c * c < 0.99 && std::fabs(eta) > 0.1;
+            },
+            vec3<double>(), vec3<double>(), 1.0),
+        {},
+        {"grazing, along the normal, total reflection, index 1, zero-length vectors",
+         {{x, z, 1.0}, {z, z, 1.5}, {x, z, 1.5}, {-x, z, 0.5}, {z, z, 1.0}},
+         {{none, z, 1.5}, {x, none, 1.5}}});
 }

@@ -1,9 +1,9 @@
 // tests/math/noise.cpp -- noise: MaterialX's values, its slopes, its seams
 // SPDX-License-Identifier: Apache-2.0
 #include <burnish/math/noise.h>
-#include <math/laws.h>
+#include <differences.h>
 
-using namespace burnish;
+using namespace differences;
 
 namespace {
 /// Random places of a noise of D dimensions: uv or a point, and the numbers of a fractal.
@@ -75,18 +75,37 @@ TEST_CASE("fractal2d and fractal3d: give MaterialX's values at whole octaves", "
 
 TEST_CASE("noise2d and noise3d: one value and right slopes in every number", "[math][gradient]") {
   // No edges: the second derivatives are continuous, the third jump at lattice lines; off those by 0.02.
-  const auto inside = [](const auto& p) {
+  const auto off_lines = [](const auto& p) {
     const auto off = [](double x) { return std::fabs(x - std::round(x)) > 0.02; };
     return off(p.x) && off(p.y) && off(p.z);
   };
-  laws::hold([](const auto& p) { return mixed(noise2d(vec2{p.x, p.y})); }, inside, {.rounding = 1e-4}, vec3<double>());
-  laws::hold([](const auto& p) { return mixed3(noise3d(p)); }, inside, {.rounding = 1e-4}, vec3<double>());
+  const Hard<std::tuple<vec3<double>>> lattice{
+      "lattice corners and lines", {{{0, 0, 0}}, {{1, -1, 2}}, {{-2, 0.5, 3}}, {{0.25, 7, -0.0}}, {{1e5, -1e5, 0.5}}}};
+  holds(
+      "noise2d, op::Noise",
+      [](const auto& p) {
+        return noise2d(vec2{p.x, p.y});
+      },
+      within(off_lines, vec3<double>()), {.rounding = 1e-4}, lattice);
+  holds(
+      "noise3d, op::Noise", [](const auto& p) { return noise3d(p); }, within(off_lines, vec3<double>()),
+      {.rounding = 1e-4}, lattice);
+}
+TEST_CASE("Sloped: sums, products and what goes through a function, with their slopes", "[math][gradient]") {
+  holds("Sloped",
+        [](const auto& p, const auto& s) {
+          using T = std::remove_cvref_t<decltype(s)>;
+          const Height<T> a{p.x, {p.y, p.z}}, b{s, {s * p.x, p.z}};
+          const auto c = mix(a * b - s, -(s - b) + a, s) + (a - b) * s + s * (s + b);
+          return c.through(c.value * c.value, 2.0f * c.value);
+        },
+        within(anywhere, vec3<double>(), 0.0), {.rounding = 1e-4, .scale = 10});
 }
 TEST_CASE("noise2d and noise3d: the slopes they give are those of their value", "[math][gradient]") {
   std::mt19937_64 random(3);
   for (int i = 0; i < 1000; ++i) {
     vec3<double> p{3, 4, 5};
-    laws::move(random, p);
+    move(random, p);
     const auto [n, dx, dy, dz] = differentiate(
         [](auto x, auto y, auto z) {
           return noise3d(vec3{x, y, z}).value;
@@ -103,24 +122,39 @@ TEST_CASE("noise2d and noise3d: the slopes they give are those of their value", 
 }
 TEST_CASE("fractal2d and fractal3d: one value and right slopes in every number", "[math][gradient]") {
   // Edges: whole numbers of octaves. The third derivatives jump at the lattice lines of every octave.
-  const auto inside = [](const auto& p) {
+  const auto off_lines = [](const auto& p) {
     const auto off = [](double x, double by) { return std::fabs(x - std::round(x)) > by; };
     bool far = off(p.octaves, 0.06);
     for (double s = 1, i = 0; i < 5; ++i, s *= p.lacunarity) far = far && off(p.p.x * s, 0.02) && off(p.p.y * s, 0.02);
     return far;
   };
-  const auto inside3 = [&](const auto& p) {
+  const auto off_lines3 = [&](const auto& p) {
     auto q = p;
     q.p.y = p.p.z;
-    return inside(p) && inside(q);
+    return off_lines(p) && off_lines(q);
   };
-  laws::hold(
-      [](const auto& p) {
-        return mixed(fractal2d(vec2{p.p.x, p.p.y}, p.octaves, p.lacunarity, p.diminish));
-      },
-      inside, {.rounding = 1e-3, .step = 1e-4}, Place<double>());
-  laws::hold([](const auto& p) { return mixed3(fractal3d(p.p, p.octaves, p.lacunarity, p.diminish)); }, inside3,
-             {.rounding = 1e-3, .step = 1e-4}, Place<double>());
+  const How how{.rounding = 1e-3, .step = 1e-4}, far{.rounding = 1e-2, .step = 1e-4};
+  const Hard<std::tuple<Place<double>>> lattice{"lattice corners and lines, no, whole and too many octaves",
+                                                {{{{0, 0, 0}, 3, 2, 0.5}},
+                                                 {{{1, -1, 0.5}, 0, 2, 0.5}},
+                                                 {{{0.3, 0.2, -2}, 40, 2, 0.5}},
+                                                 {{{0.5, 1, 2}, -1, 1, 0}},
+                                                 {{{0.5, 1, 2}, 2.5, 0, 1}}}};
+  // Where the last octave lies beyond 50 of its cells, a float's position in it is no better than 1e-5 of one.
+  const auto near = [](auto away) {
+    return [=](const auto& p) {
+      const double last = std::pow(p.lacunarity, std::floor(p.octaves));
+      return away(p) && last * std::max({std::fabs(p.p.x), std::fabs(p.p.y), std::fabs(p.p.z)}) < 50;
+    };
+  };
+  const auto plane = [](const auto& p) {
+    return mixed(fractal2d(vec2{p.p.x, p.p.y}, p.octaves, p.lacunarity, p.diminish));
+  };
+  const auto space = [](const auto& p) { return mixed3(fractal3d(p.p, p.octaves, p.lacunarity, p.diminish)); };
+  holds("fractal2d, op::Fractal", plane, within(near(off_lines), Place<double>()), how, lattice);
+  holds("fractal2d, op::Fractal", plane, within(off_lines, Place<double>()), far);
+  holds("fractal3d, op::Fractal", space, within(near(off_lines3), Place<double>()), how, lattice);
+  holds("fractal3d, op::Fractal", space, within(off_lines3, Place<double>()), far);
 }
 TEST_CASE("fractal2d: at a whole number of octaves the slope is that from below", "[math][limit]") {
   const auto slope = [](double octaves) {

@@ -1,9 +1,9 @@
 // tests/math/smooth.cpp -- soft edges are sharp outside their width and have slopes inside
 // SPDX-License-Identifier: Apache-2.0
 #include <burnish/math/smooth.h>
-#include <math/laws.h>
+#include <differences.h>
 
-using namespace burnish;
+using namespace differences;
 
 namespace {
 template <class T> struct Soft {
@@ -52,22 +52,32 @@ TEST_CASE("Soft edges: slopes are continuous over the ends of the soft part and 
   CHECK(slope(step, 0.25) == Approx(6));
 }
 TEST_CASE("Soft edges: one value and right slopes in every number", "[math][gradient]") {
-  const laws::How how{};
-  laws::hold([](const auto& s) { return smooth_step(s.x, s.a, s.width); }, off, how, Soft<double>());
-  laws::hold([](const auto& s) { return smooth_max(s.x, s.a, s.width); }, off, how, Soft<double>());
-  laws::hold([](const auto& s) { return smooth_min(s.x, s.a, s.width); }, off, how, Soft<double>());
-  laws::hold([](const auto& s) { return smooth_abs(s.x, s.width); }, off, how, Soft<double>());
-  laws::hold([](const auto& s) { return smooth_pulse(s.x, s.a, s.a + 0.6f, s.width); },
-             [](const auto& s) { return off(s) && std::fabs(std::fabs(s.x - s.a - 0.6) - s.width) > 0.04; }, how,
-             Soft<double>());
-  laws::hold([](const auto& s) { return smooth_clamp(s.x, s.a, s.a + 0.7f, s.width); },
-             [](const auto& s) { return off(s) && std::fabs(std::fabs(s.x - s.a - 0.7) - s.width) > 0.04; }, how,
-             Soft<double>());
-  laws::hold([](const auto& s) { return soft_threshold(s.x, s.a, s.width); },
-             [](const auto& s) {
-               return std::fabs(s.x - s.a) < 9 * s.width;  // beyond, the slope is lost in the rounding of the value
-             },
-             how, Soft<double>());
+  const auto beside = [](double middle) {  // the same about a second edge
+    return [=](const auto& s) { return off(s) && std::fabs(std::fabs(s.x - s.a - middle) - s.width) > 0.04; };
+  };
+  const auto near = [](const auto& s) {
+    return std::fabs(s.x - s.a) < 9 * s.width;  // beyond, the slope is lost in the rounding of the value
+  };
+  const Soft<double> any{};
+  const Hard<std::tuple<Soft<double>>> ends{
+      "both ends and the middle of the soft part",
+      {{{0.5, 0.25, 0.25}}, {{0.0, 0.25, 0.25}}, {{0.25, 0.25, 0.25}}, {{0.25, 0.0, 0.25}}, {{0.0, 0.0, 0.25}}}};
+  holds(
+      "smooth_step", [](const auto& s) { return smooth_step(s.x, s.a, s.width); }, within(off, any), {}, ends);
+  holds(
+      "smooth_max", [](const auto& s) { return smooth_max(s.x, s.a, s.width); }, within(off, any), {}, ends);
+  holds(
+      "smooth_min", [](const auto& s) { return smooth_min(s.x, s.a, s.width); }, within(off, any), {}, ends);
+  holds(
+      "smooth_abs", [](const auto& s) { return smooth_abs(s.x, s.width); }, within(off, any), {}, ends);
+  holds(
+      "smooth_pulse", [](const auto& s) { return smooth_pulse(s.x, s.a, s.a + 0.6f, s.width); },
+      within(beside(0.6), any), {}, ends);
+  holds(
+      "smooth_clamp", [](const auto& s) { return smooth_clamp(s.x, s.a, s.a + 0.7f, s.width); },
+      within(beside(0.7), any), {}, ends);
+  holds(
+      "soft_threshold", [](const auto& s) { return soft_threshold(s.x, s.a, s.width); }, within(near, any), {}, ends);
 }
 TEST_CASE("bias and gain: keep the ends, meet their middle and have right slopes", "[math][gradient]") {
   for (double a = 0.1; a < 1; a += 0.1) {
@@ -79,9 +89,13 @@ TEST_CASE("bias and gain: keep the ends, meet their middle and have right slopes
     CHECK(std::get<1>(differentiate([](auto x, auto y) { return gain(x, y); }, 0.5, a)) == Approx(1 / a - 1));
   }
   CHECK(bias(0.3, 0.5) == Approx(0.3));
-  const auto inside = [](const auto& s) {
+  const auto off_middle = [](const auto& s) {
     return s.x > 0.02 && s.x < 0.98 && std::fabs(s.x - 0.5) > 0.02 && s.a > 0.1 && s.a < 0.9;
   };
-  laws::hold([](const auto& s) { return bias(s.x, s.a); }, inside, laws::How{}, Soft<double>());
-  laws::hold([](const auto& s) { return gain(s.x, s.a); }, inside, laws::How{}, Soft<double>());
+  const Hard<std::tuple<Soft<double>>> ends{"both ends and the middle",
+                                            {{{0, 0.3, 0}}, {{1, 0.3, 0}}, {{0.5, 0.3, 0}}}};
+  holds(
+      "bias", [](const auto& s) { return bias(s.x, s.a); }, within(off_middle, Soft<double>()), {}, ends);
+  holds(
+      "gain", [](const auto& s) { return gain(s.x, s.a); }, within(off_middle, Soft<double>()), {}, ends);
 }

@@ -5,8 +5,8 @@
 #include <burnish/nodes/window_glass.h>
 #include <burnish/scene/gbuffer.h>
 #include <burnish/shade/brdf.h>
-#include "../shade/everywhere.h"
-using namespace everywhere;
+#include <differences.h>
+using namespace differences;
 
 namespace {
 using Vec = vec3<double>;
@@ -176,6 +176,7 @@ TEST_CASE("Materials: all numbers agree and the slopes are right", "[nodes][grad
     }
   };
   holds(
+      "CarPaint, Flakes, Mottle",
       [=](const auto& p, const auto& a, const auto& b) {
         Surfel<float> at;
         at.position = {0.0061f, 0.0013f, -0.0052f}, at.normal = {0, 0.6f, 0.8f}, at.tangent = {1, 0, 0};
@@ -185,22 +186,40 @@ TEST_CASE("Materials: all numbers agree and the slopes are right", "[nodes][grad
       [&](Random& r) {
         return std::tuple{paint(r), size(r, 0.004), size(r, 0.02)};
       },
-      1e-4, 1.0, 1e-3);
-  holds([=](const auto& p, const auto& at) { return mixed(sized(p, 1.0f, 1.0f)(at)); },
-        [&](Random& r) {
-          return std::tuple{paint(r), near(r)};
-        },
-        1e-4, 1.0, 1e-3);
+      {.rounding = 1e-4, .step = 1e-3},
+      {"saturated, black and white tints, metal and dielectric, least roughness, lattice corners", [] {
+         std::vector<std::tuple<CarPaint<double>, double, double>> list;
+         for (const double extreme : {0.0, 1.0})
+           for (const vec3<double>& c : {vec3<double>(extreme), vec3<double>{1, 0, 0}})
+             for (const double r : {0.01, 1.0}) {
+               CarPaint<double> p;
+               p.base_color = c, p.base_metalness = p.coat_weight = p.flakes.resolved = extreme;
+               p.tint.amount = {0.5, 2 * extreme, 2}, p.specular_roughness = p.coat_roughness = r,
+               p.coat_ior = 1 + extreme;
+               p.flakes.amount = p.mottle.amount = 0.5 * extreme;
+               list.push_back({p, 1.525, 0.305}), list.push_back({p, 1e-3, 1e3});  // the first: x lies on the lattice
+             }
+         return list;
+       }()});
+  holds(
+      "CarPaint, Flakes, Mottle", [=](const auto& p, const auto& at) { return mixed(sized(p, 1.0f, 1.0f)(at)); },
+      [&](Random& r) {
+        return std::tuple{paint(r), near(r)};
+      },
+      {.rounding = 1e-4, .step = 1e-3});
   const auto look = [](const auto& p) {
     Surfel<float> at;
     at.normal = {0, 0, 1}, at.tangent = {1, 0, 0};
     const vec3<float> v(0.6f, 0, 0.8f), l(-0.55f, 0.1f, 0.83f);
     return lit(p, at, v, l);
   };
-  holds(look, [](Random& r) {
-    auto g = inside<WindowGlass<double>>(r);
-    g.specular_roughness = between(r, 0.15, 0.3);
-    return std::tuple{g};
-  });
-  holds(look, [](Random& r) { return std::tuple{inside<Rubber<double>>(r)}; });
+  holds("WindowGlass", look,
+        [](Random& r) {
+          auto g = inside<WindowGlass<double>>(r);
+          g.specular_roughness = between(r, 0.15, 0.3);
+          return std::tuple{g};
+        },
+        {.rounding = 1e-5, .scale = 1e-3});
+  holds("Rubber", look, [](Random& r) { return std::tuple{inside<Rubber<double>>(r)}; },
+        {.rounding = 1e-5, .scale = 1e-3});
 }

@@ -3,19 +3,19 @@
 #include <burnish/nodes/noise.h>
 #include <nodes/patterns.h>
 
-using namespace burnish;
+using namespace differences;
 
 namespace {
 constexpr auto off_lattice = [](double x) { return std::fabs(x - std::round(x)) > 0.02; };
-constexpr auto inside = [](const auto&, const auto& s) {
+constexpr auto off_lines = [](const auto&, const auto& s) {
   return off_lattice(s.uv.x) && off_lattice(s.uv.y) && off_lattice(s.position.x) && off_lattice(s.position.y) &&
          off_lattice(s.position.z);
 };
 /// Off the lattice lines of every octave, where third derivatives jump, and off whole octaves, the edges.
-constexpr auto inside_all = [](const auto& node, const auto& s) {
+constexpr auto off_all_lines = [](const auto& node, const auto& s) {
   auto spot = s;
   for (int i = 0; i < 8; ++i, spot.uv = spot.uv * node.lacunarity, spot.position = spot.position * node.lacunarity)
-    if (i < node.octaves && !inside(0, spot)) return false;
+    if (i < node.octaves && !off_lines(0, spot)) return false;
   return std::fabs(node.octaves - std::round(node.octaves)) > 0.05 && node.octaves < 5;
 };
 }  // namespace
@@ -38,10 +38,17 @@ TEST_CASE("noise nodes: one value and right slopes in every number", "[nodes][gr
     const auto h = node.height(s.position);
     return node(s.position) + 0.3f * h.slope.x - 0.4f * h.slope.y + 0.2f * h.slope.z;
   };
-  laws::hold(over_uv, inside, {.rounding = 1e-4}, Noise2d<double>(), Spot<double>());
-  laws::hold(in_space, inside, {.rounding = 1e-4}, Noise3d<double>(), Spot<double>());
-  laws::hold(over_uv, inside_all, {.rounding = 1e-3, .step = 1e-4}, Fractal2d<double>(), Spot<double>());
-  laws::hold(in_space, inside_all, {.rounding = 1e-3, .step = 1e-4}, Fractal3d<double>(), Spot<double>());
+  const auto right = [](const char* name, auto f, auto away, auto node, const How& how) {
+    using Point = std::tuple<decltype(node), Spot<double>>;
+    Hard<Point> lattice{"lattice corners and lines", {}};
+    for (const vec3<double>& p : {vec3<double>(), vec3<double>{1, -1, 2}, vec3<double>{0.5, -2, 0}})
+      lattice.points.push_back(Point{node, {vec2<double>(p), p}});
+    holds(name, f, within(away, node, Spot<double>()), how, lattice);
+  };
+  right("Noise2d", over_uv, off_lines, Noise2d<double>(), {.rounding = 1e-4});
+  right("Noise3d", in_space, off_lines, Noise3d<double>(), {.rounding = 1e-4});
+  right("Fractal2d", over_uv, off_all_lines, Fractal2d<double>(), {.rounding = 1e-3, .step = 1e-4});
+  right("Fractal3d", in_space, off_all_lines, Fractal3d<double>(), {.rounding = 1e-3, .step = 1e-4});
 }
 TEST_CASE("noise nodes: recorded by the compiler, recorded at run time and taped they are the same",
           "[nodes][agreement]") {

@@ -5,7 +5,7 @@
 #include <burnish/nodes/place.h>
 #include <nodes/patterns.h>
 
-using namespace burnish;
+using namespace differences;
 
 namespace {
 template <class T> struct Normals {
@@ -33,7 +33,7 @@ TEST_CASE("heighttonormal: agrees with the cross product of differenced tangents
   const Fractal2d<double> bumps{0.2, 3.5};
   for (int i = 0; i < 300; ++i) {
     Spot<double> s;
-    laws::move(random, s);
+    move(random, s);
     constexpr double step = 1e-5;
     const auto h = [&](double du, double dv) { return bumps(vec2<double>{s.uv.x + du, s.uv.y + dv}); };
     const vec3<double> along_u{2 * step, 0, h(step, 0) - h(-step, 0)}, along_v{0, 2 * step, h(0, step) - h(0, -step)};
@@ -52,7 +52,7 @@ TEST_CASE("bent_normal: agrees with heighttonormal over a plane, and with differ
   constexpr double scale = 1e-3, step = 1e-5;
   for (int i = 0; i < 200; ++i) {
     vec3<double> p;
-    laws::move(random, p);
+    move(random, p);
     p = normalize(p);
     const auto f = frame_of(p);
     const auto moved = [&](const vec3<double>& q) {
@@ -69,9 +69,8 @@ TEST_CASE("normalmap: decodes, scales the tilt, survives empty texels", "[nodes]
   CHECK(length(NormalMap<double>{}(vec3<double>{0.8, 0.5, 0.9}) - vec3<double>{0.6, 0, 0.8}) < 1e-7);
   CHECK(length(NormalMap<double>{2}(vec3<double>{0.8, 0.5, 0.9}) - normalize(vec3<double>{1.2, 0, 0.8})) < 1e-7);
   for (const double grey : {0.0, 0.5}) {
-    const auto [y, d] =
-        differentiate([](const auto& c) { return laws::mixture(NormalMap<std::remove_cvref_t<decltype(c.x)>>{}(c)); },
-                      vec3<double>(grey));
+    const auto [y, d] = differentiate(
+        [](const auto& c) { return mixture(NormalMap<std::remove_cvref_t<decltype(c.x)>>{}(c)); }, vec3<double>(grey));
     CHECK(y == Approx(0.875));
     CHECK(std::isfinite(d.x + d.y + d.z));
   }
@@ -84,7 +83,7 @@ TEST_CASE("normal blend: flat detail leaves the base, a flat base leaves the det
   const vec3<double> up{0, 0, 1};
   for (int i = 0; i < 300; ++i) {
     Normals<double> n;
-    laws::move(random, n);
+    move(random, n);
     const auto a = upwards(n.a), b = upwards(n.b);
     CHECK(length(NormalBlend<double>{}(up, b) - b) < 1e-14);
     CHECK(length(NormalBlend<double>{}(a, up) - a) < 1e-14);
@@ -99,29 +98,42 @@ TEST_CASE("normal nodes: one value and right slopes in every number", "[nodes][g
     const auto off = [](double x) { return std::fabs(x - std::round(x)) > 0.02; };
     return off(s.uv.x) && off(s.uv.y) && off(s.position.x) && off(s.position.y) && off(s.position.z);
   };
-  laws::hold([](const auto& node, const auto& s) { return node([](const auto& uv) { return noise2d(uv); }, s.uv); },
-             off_lattice, {.rounding = 1e-4}, HeightToNormal<double>(), Spot<double>());
-  laws::hold(
+  const Spot<double> corner, line{{1, 0.5}, {-1, 0.25, 2}};
+  const Hard<std::tuple<HeightToNormal<double>, Spot<double>>> lattice{"lattice corners and lines, scale 0",
+                                                                       {{{1}, corner}, {{5}, line}, {{0}, line}}};
+  holds(
+      "HeightToNormal",
+      [](const auto& node, const auto& s) { return node([](const auto& uv) { return noise2d(uv); }, s.uv); },
+      within(off_lattice, HeightToNormal<double>(), Spot<double>()), {.rounding = 1e-4}, lattice);
+  holds(
+      "bent_normal",
       [](const auto& node, const auto& s) {
         using T = std::remove_cvref_t<decltype(node.scale)>;
         return bent_normal(vec3<T>{T(0.6f), T(0.0f), T(0.8f)}, noise3d(s.position), node.scale);
       },
-      off_lattice, {.rounding = 1e-4}, HeightToNormal<double>(), Spot<double>());
-  laws::hold(
-      [](const auto& node, const auto& n) { return node(n.a); },
-      [](const auto& node, const auto& n) { return node.scale > 0.1 && length(n.a * 2.0 - vec3<double>(1)) > 0.3; },
-      {.step = 2e-3}, NormalMap<double>(), Normals<double>());
-  laws::hold([](const auto& node, const auto& n) { return node(upwards(n.a), upwards(n.b)); }, NormalBlend<double>(),
-             Normals<double>());
+      within(off_lattice, HeightToNormal<double>(), Spot<double>()), {.rounding = 1e-4}, lattice);
+  const vec3<double> black, grey(0.5), up{0.5, 0.5, 1}, flat{1, 0.5, 0.5}, down{0.5, 0.5, 0};
+  holds("NormalMap", [](const auto& node, const auto& n) { return node(n.a) + node(n.b, frame_of(node(n.a))); },
+        within(
+            [](const auto& node, const auto& n) {
+              const auto long_enough = [](const auto& c) { return length(c * 2.0 - vec3<double>(1)) > 0.3; };
+              return node.scale > 0.1 && long_enough(n.a) && long_enough(n.b) && std::fabs(n.a.z - 0.5) > 0.1;
+            },
+            NormalMap<double>(), Normals<double>()),
+        {.step = 2e-3},
+        {"black, middle grey, flat, up, down, scale 0",
+         {{{1}, {black, grey}}, {{1}, {grey, black}}, {{1}, {up, flat}}, {{0}, {flat, up}}, {{2}, {down, down}}}});
+  holds("NormalBlend", [](const auto& node, const auto& n) { return node(upwards(n.a), upwards(n.b)); },
+        within(anywhere, NormalBlend<double>(), Normals<double>()), {},
+        {"up, horizontal, amount 0", {{{1}, {up, up}}, {{0}, {up, flat}}, {{2}, {{1, 1, 0}, {0, 0, 0}}}}});
 }
 TEST_CASE("normal nodes: recorded by the compiler, recorded at run time and taped they are the same",
           "[nodes][agreement]") {
   players_agree<Spot>(
       [](const auto& node, const auto& s) {
-        return laws::mixture(node([](const auto& uv) { return noise2d(uv * 1.5f); }, s.uv));
+        return mixture(node([](const auto& uv) { return noise2d(uv * 1.5f); }, s.uv));
       },
       HeightToNormal<float>{0.6f}, 300, 1e-4);
-  players_agree<Normals>(
-      [](const auto& node, const auto& n) { return laws::mixture(node(upwards(n.a), upwards(n.b))); },
-      NormalBlend<float>{0.8f});
+  players_agree<Normals>([](const auto& node, const auto& n) { return mixture(node(upwards(n.a), upwards(n.b))); },
+                         NormalBlend<float>{0.8f});
 }

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <burnish/fit/render.h>
-#include <math/laws.h>
+#include <differences.h>
 
 /// Where a node of uv or position is tried.
 template <class T> struct Spot {

@@ -4,7 +4,7 @@
 #include <burnish/nodes/place.h>
 #include <nodes/patterns.h>
 
-using namespace burnish;
+using namespace differences;
 
 TEST_CASE("place2d: scale enlarges, rotate turns, offset moves, in MaterialX's two orders", "[nodes][value]") {
   const vec2<double> uv{0.7, 0.4};
@@ -19,18 +19,29 @@ TEST_CASE("place2d: scale enlarges, rotate turns, offset moves, in MaterialX's t
   is(Place2d<double>{{0, 0}, {2, 4}, 90, {0.1, 0.2}}.trs(uv), {0.1, -0.15});  // (0.6, 0.2) -> (0.2, -0.6) -> scale
 }
 TEST_CASE("place2d: one value and right slopes in every number", "[nodes][gradient]") {
-  const auto inside = [](const auto& place, const auto&) { return std::min(place.scale.x, place.scale.y) > 0.2; };
-  laws::hold([](const auto& place, const auto& s) { return place(s.uv); }, inside, {.rounding = 1e-4},
-             Place2d<double>(), Spot<double>());
-  laws::hold([](const auto& place, const auto& s) { return place.trs(s.uv); }, inside, {.rounding = 1e-4},
-             Place2d<double>(), Spot<double>());
+  const auto large = [](const auto& place, const auto&) { return std::min(place.scale.x, place.scale.y) > 0.2; };
+  holds("Place2d",
+        [](const auto& place, const auto& s) {
+          const auto h = noise2d(s.uv);
+          return std::array{mixture(place(s.uv)), mixture(place.trs(s.uv)), mixture(place.by_texcoord(h)),
+                            mixture(place.by_texcoord_trs(h))};
+        },
+        within(
+            [=](const auto& place, const auto& s) {
+              const auto off = [](double x) {
+                return std::fabs(x - std::round(x)) > 0.03;
+              };  // the noise's lattice lines
+              return large(place, s) && off(s.uv.x) && off(s.uv.y);
+            },
+            Place2d<double>(), Spot<double>()),
+        {.rounding = 1e-4}, {"no turn, whole turns, wrapped uv", {{{}, {}}, {{{}, {1, 1}, 360, {}}, {{7, -3}, {}}}}});
 }
 TEST_CASE("place2d: turns the slopes of what it placed into slopes by texcoord", "[nodes][gradient]") {
   std::mt19937_64 random(8);
   for (int i = 0; i < 1000; ++i) {
     Place2d<double> place;
     Spot<double> s;
-    laws::move(random, place, s);
+    move(random, place, s);
     const auto [n, du, dv] = differentiate(
         [&](auto u, auto v) {
           return noise2d(lift<decltype(u)>(place)(vec2{u, v})).value;

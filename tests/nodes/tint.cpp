@@ -3,11 +3,10 @@
 #include <burnish/nodes/tint.h>
 #include <nodes/patterns.h>
 
-using namespace burnish;
+using namespace differences;
 
 namespace {
 constexpr auto tints = [](const auto& node, const auto& c) { return node(c.a); };
-constexpr auto anywhere = [](const auto&, const auto&) { return true; };
 /// Off the edges of hue: no two channels alike, no channel at a sixth of the turned hue.
 bool hue_is_plain(const vec3<double>& c, double turn) {
   if (std::min({std::fabs(c.x - c.y), std::fabs(c.y - c.z), std::fabs(c.z - c.x), c.x, c.y, c.z}) < 0.05) return false;
@@ -54,38 +53,46 @@ TEST_CASE("range: at black its slope is finite, and 1 where nothing is bent", "[
   CHECK(slope(2) == Approx(1000).epsilon(1e-3));  // the chord to 1e-6
 }
 TEST_CASE("tint nodes: one value and right slopes in every number", "[nodes][gradient]") {
+  const auto right = [](const char* name, auto f, auto away, auto node, const How& how) {
+    using Point = std::tuple<decltype(node), Colors<double>>;
+    Hard<Point> greys{"black, grey, white, saturated, ties of two channels", {}};
+    for (const vec3<double>& c : {vec3<double>(0.0), vec3<double>(0.5), vec3<double>(1.0), vec3<double>{1, 0, 0},
+                                  vec3<double>{0, 1, 1}, vec3<double>{0.3, 0.3, 0.9}, vec3<double>{1e-8, 0, 1}})
+      greys.points.push_back(Point{node, {c, c}});
+    holds(name, f, within(away, node, Colors<double>()), how, greys);
+  };
   const auto at_hue = [](const auto& node, const auto& c) { return hue_is_plain(c.a, node.amount.x); };
-  laws::hold(tints, at_hue, {.rounding = 1e-4, .step = 2e-3}, HsvAdjust<double>(), Colors<double>());
-  laws::hold(tints, anywhere, laws::How{}, Contrast<double>(), Colors<double>());
-  laws::hold(tints, anywhere, laws::How{}, Luminance<double>(), Colors<double>());
-  laws::hold(tints, anywhere, laws::How{}, Saturate<double>(), Colors<double>());
-  laws::hold(tints, anywhere, {.rounding = 1e-4}, Remap<double>(), Colors<double>());
+  right("HsvAdjust", tints, at_hue, HsvAdjust<double>(), {.rounding = 1e-4, .step = 2e-3});
+  right("Contrast", tints, anywhere, Contrast<double>(), {});
+  right("Luminance", tints, anywhere, Luminance<double>(), {});
+  right("Saturate", tints, anywhere, Saturate<double>(), {});
+  right("Remap", tints, anywhere, Remap<double>(), {.rounding = 1e-4});
   const auto off_inlow = [](const auto& node, const auto& c) {
     return std::min({std::fabs(c.a.x - node.inlow), std::fabs(c.a.y - node.inlow), std::fabs(c.a.z - node.inlow)}) >
            0.05;
   };
-  laws::hold(tints, off_inlow, {.rounding = 1e-3, .step = 2e-3}, RangeNode<double>(), Colors<double>());
-  laws::hold([](const auto& node, const auto& c) { return node.clamped(c.a); },
-             [&](const auto& node, const auto& c) {
-               const auto y = node(c.a);
-               const auto off = [&](double v) {
-                 return std::fabs(v - node.outlow) > 0.05 && std::fabs(v - node.outhigh) > 0.05;
-               };
-               return off_inlow(node, c) && node.outlow < node.outhigh && off(y.x) && off(y.y) && off(y.z);
-             },
-             {.rounding = 1e-3, .step = 1e-3}, RangeNode<double>(), Colors<double>());
-  laws::hold(
-      tints,
-      [](const auto& node, const auto& c) {
-        if (!hue_is_plain(c.a, node.hue)) return false;
-        const auto s = Saturate<double>{node.saturation}(hsvadjust(c.a, vec3<double>{node.hue, 1, 1}));
-        return std::min({std::fabs(s.x), std::fabs(s.y), std::fabs(s.z)}) > 0.05;
+  right("RangeNode", tints, off_inlow, RangeNode<double>(), {.rounding = 1e-3, .step = 2e-3});
+  right(
+      "RangeNode", [](const auto& node, const auto& c) { return node.clamped(c.a); },
+      [&](const auto& node, const auto& c) {
+        const auto y = node(c.a);
+        const auto off = [&](double v) {
+          return std::fabs(v - node.outlow) > 0.05 && std::fabs(v - node.outhigh) > 0.05;
+        };
+        return off_inlow(node, c) && node.outlow < node.outhigh && off(y.x) && off(y.y) && off(y.z);
       },
-      {.rounding = 1e-3, .step = 1e-3}, ColorCorrect<double>(), Colors<double>());
+      RangeNode<double>(), {.rounding = 1e-3, .step = 1e-3});
+  right("ColorCorrect", tints,
+        [](const auto& node, const auto& c) {
+          if (!hue_is_plain(c.a, node.hue)) return false;
+          const auto s = Saturate<double>{node.saturation}(hsvadjust(c.a, vec3<double>{node.hue, 1, 1}));
+          return std::min({std::fabs(s.x), std::fabs(s.y), std::fabs(s.z)}) > 0.05;
+        },
+        ColorCorrect<double>(), {.rounding = 1e-3, .step = 1e-3});
 }
 TEST_CASE("tint nodes: recorded by the compiler, recorded at run time and taped they are the same",
           "[nodes][agreement]") {
-  constexpr auto look = [](const auto& node, const auto& c) { return laws::mixture(node(c.a)); };
+  constexpr auto look = [](const auto& node, const auto& c) { return mixture(node(c.a)); };
   players_agree<Colors>(look, HsvAdjust<float>{{0.21f, 1.3f, 0.8f}});
   players_agree<Colors>(look, ColorCorrect<float>{0.1f, 1.2f, 1.4f, 0.05f, 0.9f, 1.1f, 0.4f, 0.3f}, 300, 1e-4);
 }

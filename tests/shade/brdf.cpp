@@ -1,9 +1,10 @@
 // tests/shade/brdf.cpp -- the laws of burnish/shade/coat.h and brdf.h
 // SPDX-License-Identifier: Apache-2.0
 #include <burnish/shade/brdf.h>
-#include "everywhere.h"
+#include <differences.h>
+#include "corners.h"
 #include "quadrature.h"
-using namespace everywhere;
+using namespace differences;
 using namespace quadrature;
 
 namespace {
@@ -305,12 +306,20 @@ TEST_CASE("Brdf: all numbers agree and the slopes are right", "[shade][gradient]
       if (std::abs(dot(v, l) - v.z * l.z) > 0.05 && std::abs(v.z - l.z) > 0.05) return std::pair{v, l};
     }
   };
-  holds([](const auto& s, const auto& n, const auto& v, const auto& l) { return weigh(brdf_cos(s, n, v, l)); },
-        [&](Random& r) {
-          const auto [v, l] = directions(r);
-          return std::tuple{surface(r), z, v, l};
-        });
+  using corners::Corner;
+  const How fine{.rounding = 1e-5, .scale = 1e-3};
   holds(
+      "brdf_cos, brdf_cos_with, Cosines, layers, Layers",
+      [](const auto& s, const auto& n, const auto& v, const auto& l) { return weigh(brdf_cos(s, n, v, l)); },
+      [&](Random& r) {
+        const auto [v, l] = directions(r);
+        return std::tuple{surface(r), z, v, l};
+      },
+      fine, corners::of([](const Corner& k) {
+        return std::tuple{k.surface, z, k.v, k.l};
+      }));
+  holds(
+      "brdf_cos, from_tangent_frame, Surface",
       [](const auto& s, const auto& v, const auto& l) {
         const vec3<float> n(0, 0, 1), t(1, 0, 0);
         return weigh(brdf_cos(s, n, t, v, l));
@@ -321,9 +330,11 @@ TEST_CASE("Brdf: all numbers agree and the slopes are right", "[shade][gradient]
         s.geometry_normal = s.geometry_coat_normal = z;
         s.geometry_coat_normal = normalize(Vec(between(r, -0.1, 0.1), between(r, -0.1, 0.1), 1));
         return std::tuple{s, v, l};
-      });
+      },
+      fine);
   // A lobe as sharp as a car's coat, inside of it, by surface and half vector, in steps that it can bear.
   holds(
+      "brdf_cos, brdf_cos_with, Cosines, layers, Layers",
       [](const auto& s, const auto& h) {
         using T = std::remove_cvref_t<decltype(h.x)>;
         const vec3<T> v(T(0.6f), T(0.0f), T(0.8f)), up(T(0.0f), T(0.0f), T(1.0f));
@@ -336,24 +347,37 @@ TEST_CASE("Brdf: all numbers agree and the slopes are right", "[shade][gradient]
                      y = a * between(r, 0.1, 1);
         return std::tuple{s, Vec(x, y, std::sqrt(1 - x * x - y * y))};
       },
-      1e-4, 1e-3, 1e-3);
-  holds([](const auto& s, auto nv) { return weigh(transmittance(s, nv)); },
-        [&](Random& r) {
-          return std::tuple{surface(r), between(r, 0.1, 1)};
-        });
+      {.rounding = 1e-4, .scale = 1e-3, .step = 1e-3});
+  holds(
+      "transmittance", [](const auto& s, auto nv) { return weigh(transmittance(s, nv)); },
+      [&](Random& r) {
+        return std::tuple{surface(r), between(r, 0.1, 1)};
+      },
+      fine, corners::of([](const Corner& k) {
+        return std::tuple{k.surface, k.l.z};
+      }));
   const auto coat = [](Random& r) {
     return std::tuple{between(r, 0.05, 0.6), between(r, 0.05, 0.6), between(r, 0, 1)};
   };
-  holds([](auto b, auto c, auto w) { return coated_roughness(b, c, w); }, coat);
-  holds([](auto ior, auto r) { return coat_internal_reflectance(ior, r); },
-        [](Random& r) {
-          return std::tuple{between(r, 1.05, 3), between(r, 0, 1)};
-        });
-  holds([](const auto& a, auto k) { return weigh(coat_darkening(a, k)); },
-        [](Random& r) {
-          return std::tuple{Vec(between(r, 0, 1), between(r, 0, 1), between(r, 0, 1)), between(r, 0, 0.9)};
-        });
   holds(
+      "coated_roughness", [](auto b, auto c, auto w) { return coated_roughness(b, c, w); }, coat, fine,
+      corners::of([](const Corner& k) {
+        return std::tuple{k.surface.specular_roughness, k.c, k.surface.coat_weight};
+      }));
+  holds(
+      "coat_internal_reflectance", [](auto ior, auto r) { return coat_internal_reflectance(ior, r); },
+      [](Random& r) {
+        return std::tuple{between(r, 1.05, 3), between(r, 0, 1)};
+      },
+      fine, {"no interface, both ends of roughness", {{1.0, 0.0}, {1.0, 1.0}}});
+  holds(
+      "coat_darkening", [](const auto& a, auto k) { return weigh(coat_darkening(a, k)); },
+      [](Random& r) {
+        return std::tuple{Vec(between(r, 0, 1), between(r, 0, 1), between(r, 0, 1)), between(r, 0, 0.9)};
+      },
+      fine, {"black, white", {{Vec(0.0), 0.0}, {Vec(1.0), 0.0}, {Vec(1.0), 0.999}, {Vec(0.0), 0.999}}});
+  holds(
+      "reflected, Moments",
       [](const auto& s, const auto& m, const auto& e, auto nv) {
         using T = std::remove_cvref_t<decltype(nv)>;
         return weigh(reflected(layers(s), nv, Moments<T>{m, e, m * e, m + e, e, m, e, m * m, e * e}));
@@ -361,5 +385,7 @@ TEST_CASE("Brdf: all numbers agree and the slopes are right", "[shade][gradient]
       [&](Random& r) {
         return std::tuple{surface(r), upward(r, 0.3), upward(r, 0.3), between(r, 0.05, 1)};
       },
-      1e-5, 1.0);
+      {.rounding = 1e-5}, corners::of([](const Corner& k) {
+        return std::tuple{k.surface, Vec(k.v), Vec(1.0), k.l.z};
+      }));
 }

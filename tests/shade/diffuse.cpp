@@ -1,9 +1,10 @@
 // tests/shade/diffuse.cpp -- the laws of burnish/shade/diffuse.h
 // SPDX-License-Identifier: Apache-2.0
 #include <burnish/shade/diffuse.h>
-#include "everywhere.h"
+#include <differences.h>
+#include "corners.h"
 #include "quadrature.h"
-using namespace everywhere;
+using namespace differences;
 using quadrature::over_hemisphere;
 using quadrature::viewer;
 
@@ -76,16 +77,21 @@ TEST_CASE("Diffuse: all numbers agree and the slopes are right", "[shade][gradie
                           nv, vl};
     }
   };
+  const auto hard = corners::of([](const corners::Corner& k) {
+    return std::tuple{k.surface.base_color, k.surface.base_diffuse_roughness, k.c, std::max(k.l.z, 0.0), dot(k.v, k.l)};
+  });
   holds(
+      "oren_nayar",
       [](const auto& a, auto r, auto nl, auto nv, auto vl) {
         const auto f = oren_nayar(a, r, nl, nv, vl);
         return f.x + 2.0f * f.y + 3.0f * f.z;
       },
-      draw, 1e-5, 0.1);  // the light that crosses a rough surface at grazing incidence is a difference near 0
+      draw, {.rounding = 1e-5, .scale = 0.1}, hard);  // what crosses a rough surface at grazing is a difference near 0
   holds(
+      "burley, lambert",
       [](const auto& a, auto r, auto nl, auto nv, auto vh) {
         const auto f = burley(a, r, nl, nv, vh) + lambert(a);
         return f.x + 2.0f * f.y + 3.0f * f.z;
       },
-      draw);
+      draw, {.rounding = 1e-5, .scale = 1e-3}, hard);
 }

@@ -1,9 +1,11 @@
 // tests/shade/fresnel.cpp -- the laws of burnish/shade/fresnel.h
 // SPDX-License-Identifier: Apache-2.0
+#include <burnish/math/color.h>
 #include <burnish/shade/fresnel.h>
 #include <complex>
-#include "everywhere.h"
-using namespace everywhere;
+#include <differences.h>
+#include "corners.h"
+using namespace differences;
 
 namespace {
 /// From the complex refracted cosine, as written in any text on optics.
@@ -83,27 +85,61 @@ TEST_CASE("Fresnel: the mean over the hemisphere is that of quadrature, seen fro
 
 TEST_CASE("Fresnel: all numbers agree and the slopes are right", "[shade][gradient]") {
   // Off the edges: total reflection, the end of f90_from_f0 at .02, f82 reaching 0, q = 0 of the conductor with k = 0.
-  holds([](auto c, auto f0) { return fresnel_schlick(c, f0) + f0_from_ior(1.0f + f0); },
-        [](Random& r) {
-          return std::tuple{between(r, 0.02, 0.98), between(r, 0.05, 0.95)};
-        });
-  holds([](auto f0) { return f90_from_f0(f0); }, [](Random& r) { return std::tuple{between(r, 0.002, 0.018)}; });
-  holds([](auto c, auto eta) { return fresnel_dielectric(c, eta); },
-        [](Random& r) {
-          return std::tuple{between(r, 0.1, 0.98), between(r, 1.1, 3)};
-        });
-  holds([](auto c, auto eta) { return fresnel_dielectric(c, eta); },
-        [](Random& r) {
-          return std::tuple{between(r, 0.9, 0.98), between(r, 0.6, 0.9)};
-        },
-        1e-4);
-  holds([](auto c, auto eta, auto k) { return fresnel_conductor(c, eta, k); },
-        [](Random& r) {
-          return std::tuple{between(r, 0.05, 0.98), between(r, 0.1, 3), between(r, 0.2, 6)};
-        });
-  holds([](auto c, auto f0, auto tint) { return fresnel_f82(c, f0, tint); },
-        [](Random& r) {
-          return std::tuple{between(r, 0.05, 0.98), between(r, 0.3, 0.95), between(r, 0.6, 0.99)};
-        });
-  holds([](auto ior) { return fresnel_average(ior); }, [](Random& r) { return std::tuple{between(r, 1.05, 3)}; });
+  using corners::Corner;
+  const How fine{.rounding = 1e-5, .scale = 1e-3};
+  holds(
+      "fresnel_schlick, schlick_weight, f0_from_ior",
+      [](auto c, auto f0) { return fresnel_schlick(c, f0) + f0_from_ior(1.0f + f0); },
+      [](Random& r) {
+        return std::tuple{between(r, 0.02, 0.98), between(r, 0.05, 0.95)};
+      },
+      fine, corners::of([](const Corner& k) {
+        return std::tuple{k.c, k.surface.base_weight};
+      }));
+  holds(
+      "f90_from_f0", [](auto f0) { return f90_from_f0(f0); },
+      [](Random& r) { return std::tuple{between(r, 0.002, 0.018)}; }, fine,
+      {"both ends, beyond", {{0.0}, {0.02}, {1.0}, {-1.0}}});
+  const auto interface = corners::of([](const Corner& k) { return std::tuple{k.c, k.eta}; });
+  const auto dielectric = [](auto c, auto eta) { return fresnel_dielectric(c, eta); };
+  holds(
+      "fresnel_dielectric", dielectric,
+      [](Random& r) {
+        return std::tuple{between(r, 0.1, 0.98), between(r, 1.1, 3)};
+      },
+      fine, interface);
+  holds(
+      "fresnel_dielectric", dielectric,
+      [](Random& r) {
+        return std::tuple{between(r, 0.9, 0.98), between(r, 0.6, 0.9)};
+      },
+      {.rounding = 1e-4, .scale = 1e-3}, interface);
+  holds(
+      "fresnel_conductor",
+      [](auto c, auto eta, auto k) {
+        return luminance(fresnel_conductor(c, vec3{eta, eta * 0.75f, eta}, vec3{k, k, k * 1.5f}));
+      },
+      [](Random& r) {
+        return std::tuple{between(r, 0.05, 0.98), between(r, 0.1, 3), between(r, 0.2, 6)};
+      },
+      fine,
+      corners::of(
+          [](const Corner& k) {
+            return std::tuple{k.c, k.eta, k.surface.base_metalness};
+          },
+          [](const Corner& k) { return k.c < 1e-5 && k.eta == 1 && k.surface.base_metalness == 0; }));
+  holds(
+      "fresnel_f82",
+      [](auto c, auto f0, auto tint) {
+        return luminance(fresnel_f82(c, vec3{f0, f0 * 0.9f, f0}, vec3{tint, tint, tint * 1.01f}));
+      },
+      [](Random& r) {
+        return std::tuple{between(r, 0.05, 0.98), between(r, 0.3, 0.95), between(r, 0.6, 0.99)};
+      },
+      fine, corners::of([](const Corner& k) {
+        return std::tuple{k.c, k.surface.base_weight, 1 - k.l.z};
+      }));
+  holds(
+      "fresnel_average", [](auto ior) { return fresnel_average(ior); },
+      [](Random& r) { return std::tuple{between(r, 1.05, 3)}; }, fine, {"no interface", {{1.0}}});
 }

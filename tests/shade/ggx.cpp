@@ -1,9 +1,10 @@
 // tests/shade/ggx.cpp -- the laws of burnish/shade/ggx.h
 // SPDX-License-Identifier: Apache-2.0
 #include <burnish/shade/ggx.h>
-#include "everywhere.h"
+#include <differences.h>
+#include "corners.h"
 #include "quadrature.h"
-using namespace everywhere;
+using namespace differences;
 using quadrature::over_half_vectors;
 using quadrature::tau;
 using quadrature::viewer;
@@ -109,30 +110,56 @@ TEST_CASE("GGX: below the least roughness nothing changes, at it the slope is th
 }
 
 TEST_CASE("GGX: all numbers agree and the slopes are right", "[shade][gradient]") {
+  using corners::Corner;
+  const How fine{.rounding = 1e-5, .scale = 1e-3};
   const auto lobe = [](Random& r) {
     const double nh = between(r, 0.3, 0.999);
     return std::tuple{between(r, 0.1, 1), nh, 1 - nh * nh};
   };
   const auto three = [](Random& r) { return std::tuple{between(r, 0.1, 1), between(r, 0.05, 1), between(r, 0.05, 1)}; };
-  holds([](auto r, auto nh, auto sin2) { return ggx_d(r, nh, sin2); }, lobe);
-  holds([](auto r, const auto& n, const auto& h) { return ggx_d(r, n, h); },
-        [](Random& r) {
-          return std::tuple{between(r, 0.3, 1), upward(r, 0.5), upward(r, 0.5)};
-        });
+  holds(
+      "ggx_d", [](auto r, auto nh, auto sin2) { return ggx_d(r, nh, sin2); }, lobe, fine,
+      corners::of([](const Corner& k) {
+        return std::tuple{k.surface.specular_roughness, k.c, 1 - k.c * k.c};
+      }));
+  const auto by_vectors = [](auto r, const auto& n, const auto& h) { return ggx_d(r, n, h); };
+  const auto halfway = corners::of([](const Corner& k) {
+    const vec3<double> h = k.v + k.l;  // 0 where they are opposite
+    return std::tuple{k.surface.specular_roughness, z, length(h) > 0 ? normalize(h) : h};
+  });
+  holds(
+      "ggx_d", by_vectors,
+      [](Random& r) {
+        return std::tuple{between(r, 0.3, 1), upward(r, 0.5), upward(r, 0.5)};
+      },
+      fine, halfway);
   // A sharp lobe, inside of it, in steps that it can bear.
-  holds([](auto r, const auto& n, const auto& h) { return ggx_d(r, n, h); },
+  holds("ggx_d", by_vectors,
         [](Random& r) {
           const double rough = between(r, 0.03, 0.3), a = rough * rough, x = a * between(r, -1, 1),
                        y = a * between(r, -1, 1);
           return std::tuple{rough, vec3<double>(0, 0, 1), vec3<double>(x, y, std::sqrt(1 - x * x - y * y))};
         },
-        2e-5, 1e-3, 1e-3);
-  holds([](auto r, auto c, auto) { return ggx_g1(r, c); }, three);
-  holds([](auto r, auto nl, auto nv) { return ggx_v_smith_separable(r, nl, nv); }, three);
-  holds([](auto r, auto nl, auto nv) { return ggx_v_smith_correlated(r, nl, nv); }, three);
-  holds([](auto r, auto nv, auto vh) { return ggx_visible_normal_pdf(r, nv, vh, 2.0f * vh); }, three);
+        {.rounding = 2e-5, .scale = 1e-3, .step = 1e-3});
+  const auto seen = corners::of([](const Corner& k) {
+    return std::tuple{k.surface.specular_roughness, k.c, std::max(k.l.z, 1e-4)};  // not both 0
+  });
+  holds(
+      "ggx_g1", [](auto r, auto c, auto) { return ggx_g1(r, c); }, three, fine, seen);
+  holds(
+      "ggx_v_smith_separable", [](auto r, auto nl, auto nv) { return ggx_v_smith_separable(r, nl, nv); }, three, fine,
+      corners::of([](const Corner& k) {
+        return std::tuple{k.surface.specular_roughness, k.c, k.c};
+      }));
+  holds(
+      "ggx_v_smith_correlated", [](auto r, auto nl, auto nv) { return ggx_v_smith_correlated(r, nl, nv); }, three, fine,
+      seen);
+  holds(
+      "ggx_visible_normal_pdf", [](auto r, auto nv, auto vh) { return ggx_visible_normal_pdf(r, nv, vh, 2.0f * vh); },
+      three, fine, seen);
   // Off the edges: v along the normal, u = 0, the rim of the disc.
   holds(
+      "ggx_sample_visible_normal",
       [](auto r, const auto& v, const auto& u) {
         const auto h = ggx_sample_visible_normal(r, v, u);
         return h.x + 2.0f * h.y + 3.0f * h.z;
@@ -142,5 +169,8 @@ TEST_CASE("GGX: all numbers agree and the slopes are right", "[shade][gradient]"
         while (v.z > 0.95) v = upward(r, 0.2);
         return std::tuple{between(r, 0.1, 1), v, vec2<double>(between(r, 0.05, 0.9), between(r, 0.05, 0.95))};
       },
-      1e-5, 1.0);
+      {.rounding = 1e-5}, corners::of([](const Corner& k) {
+        return std::tuple{k.surface.specular_roughness, vec3<double>(k.v.x, k.v.y, std::max(k.v.z, 1e-3)),
+                          vec2<double>(k.c, k.surface.base_weight)};
+      }));
 }

@@ -9,6 +9,7 @@
 #pragma once
 #include <algorithm>
 #include <cstdio>
+#include <functional>
 #include <burnish/ad/differentiate.h>
 
 namespace burnish {
@@ -55,8 +56,9 @@ template <class F> Difference difference(F f, double x, double step) {
     const double above = f(up), below = f(down);
     table[i][0] = (above - below) / (up - down);
     bend[i] = std::fabs((above - here) / (up - x) - (here - below) / (x - down));
+    // A value of many operations is off by a few units in its last place.
     const double rounding =
-        std::numeric_limits<double>::epsilon() * std::max(std::fabs(above), std::fabs(below)) / step;
+        4 * std::numeric_limits<double>::epsilon() * std::max(std::fabs(above), std::fabs(below)) / step;
     double power = 4;
     for (int j = 1; j <= i; ++j, power *= 4) {
       table[i][j] = table[i][j - 1] + (table[i][j - 1] - table[i - 1][j - 1]) / (power - 1);
@@ -82,42 +84,27 @@ struct Checking {
   double tolerance = 1e-7;  ///< the largest error called right, and the largest uncertainty called decided
   double step = 1e-2;       ///< the first, relative to max(|x|, 0.1)
 };
-/// Checks d f / d args at one point. f takes what differentiate takes; args are double, or structs of double.
-template <class F, class... Args> GradientCheck check_gradient(F&& f, const Checking& how, const Args&... args) {
-  const auto all = differentiate(f, args...);
-  std::vector<double> slopes;
-  std::vector<std::string> names;
-  std::tuple<Args...> point{args...}, d = [&]<std::size_t... I>(std::index_sequence<I...>) {
-    return std::tuple<Args...>{std::get<I + 1>(all)...};
-  }(std::index_sequence_for<Args...>{});
-  std::vector<double*> at;
-  const auto numbers = [](auto& t, auto visit) {
-    std::apply([&](auto&... a) { int k = 0; ((for_each_parameter(a, [&]<class X>(const std::string& n, X& x, Range) {
-                 if constexpr (Plain<X>) visit(std::to_string(k) + (n.empty() ? "" : "." + n), x);
-               }), ++k), ...); }, t);
-  };
-  numbers(d, [&](const std::string&, double& x) { slopes.push_back(x); });
-  numbers(point, [&](const std::string& n, double& x) {
-    names.push_back(n);
-    at.push_back(&x);
-  });
-  const auto value = [&] { return double(std::apply([&](const auto&... a) { return f(a...); }, point)); };
-  const double f0 = std::fabs(value());
+namespace detail {
+/// check_gradient with its types taken off: a function of numbers, the names of these, the point and the slopes there.
+inline GradientCheck check_slopes(const std::function<double(const std::vector<double>&)>& f,
+                                  const std::vector<std::string>& names, std::vector<double> at,
+                                  const std::vector<double>& slopes, const Checking& how) {
+  const double f0 = std::fabs(f(at));
   double largest = 0;
   for (const double s : slopes) largest = std::max(largest, std::fabs(s));
   GradientCheck worst;
   for (std::size_t i = 0; i < at.size(); ++i) {
-    const double x0 = *at[i], first = how.step * std::max(std::fabs(x0), 0.1);
-    const auto numeric = detail::difference([&](double x) { *at[i] = x; return value(); }, x0, first);
-    *at[i] = x0;
+    const double x0 = at[i], first = how.step * std::max(std::fabs(x0), 0.1);
+    const auto numeric = difference([&](double x) { at[i] = x; return f(at); }, x0, first);
+    at[i] = x0;
     const double scale = std::max({std::fabs(slopes[i]), std::fabs(numeric.slope), 0.01 * largest, 1e-9 * f0, 1e-30});
-    const double error = std::fabs(slopes[i] - numeric.slope) / scale, doubt = numeric.uncertainty / scale;
     // Where f is level, slope and difference are both nothing but rounding.
     const double nothing = 1e-9 * std::max(f0, 1e-3);
     const bool level = std::fabs(slopes[i]) <= nothing && std::fabs(numeric.slope) <= nothing;
-    Verdict v = error <= how.tolerance || level ? Verdict::right
-                : doubt <= how.tolerance        ? Verdict::wrong
-                                                : Verdict::undecided;
+    const double error = level ? 0 : std::fabs(slopes[i] - numeric.slope) / scale, doubt = numeric.uncertainty / scale;
+    Verdict v = error <= how.tolerance ? Verdict::right
+                : doubt <= how.tolerance ? Verdict::wrong
+                                         : Verdict::undecided;
     if (!std::isfinite(slopes[i])) v = Verdict::wrong;
     ++worst.checked;
     worst.undecided += v == Verdict::undecided;
@@ -133,8 +120,36 @@ template <class F, class... Args> GradientCheck check_gradient(F&& f, const Chec
     }
   }
   for (std::size_t i = 0; i < at.size(); ++i)
-    worst.point += (i ? ", " : "") + names[i] + " = " + detail::digits(*at[i], 17);
+    worst.point += (i ? ", " : "") + names[i] + " = " + digits(at[i], 17);
   return worst;
+}
+}  // namespace detail
+
+/// Checks d f / d args at one point. f takes what differentiate takes; args are double, or structs of double.
+template <class F, class... Args> GradientCheck check_gradient(F&& f, const Checking& how, const Args&... args) {
+  const auto all = differentiate(f, args...);
+  std::vector<std::string> names;
+  std::vector<double> at, slopes;
+  std::tuple<Args...> point{args...};
+  std::apply([&](auto&... a) {
+    int k = 0;
+    ((for_each_parameter(a, [&]<class X>(const std::string& n, X& x, Range) {
+       if constexpr (Plain<X>) names.push_back(std::to_string(k) + (n.empty() ? "" : "." + n)), at.push_back(x);
+     }), ++k), ...);
+  }, point);
+  const auto each_number = [](auto& t, auto visit) {
+    std::apply([&](auto&... a) { (each([&]<class X>(X& x) { if constexpr (Plain<X>) visit(x); }, a), ...); }, t);
+  };
+  auto d = [&]<std::size_t... I>(std::index_sequence<I...>) {
+    return std::tuple<Args...>{std::get<I + 1>(all)...};
+  }(std::index_sequence_for<Args...>{});
+  each_number(d, [&](double& x) { slopes.push_back(x); });
+  const auto value = [&](const std::vector<double>& x) {
+    std::size_t i = 0;
+    each_number(point, [&](double& to) { to = x[i++]; });
+    return double(std::apply([&](const auto&... a) { return f(a...); }, point));
+  };
+  return detail::check_slopes(value, names, at, slopes, how);
 }
 template <class F, class First, class... Rest>
 GradientCheck check_gradient(F&& f, const First& first,

@@ -48,10 +48,11 @@ template <class T> constexpr Hexcone<T> hexcone(const vec3<T>& c) {
   const T middle = select(red, side(c.y >= c.z), select(green, side(c.z > c.x), side(c.x >= c.y)));
   return {largest, largest - least, sector, offset, middle, largest > least};
 }
-/// Of k = h + n, wrapped to [0, 6): 1 on [1, 3], 0 on [4, 6], straight between.
+/// Of k = h + n, wrapped to [0, 6): 1 on [1, 3], 0 on [4, 6], straight between. The slope at an end is that above it,
+/// so that the three channels of a colour are on one side.
 template <class T> constexpr T hue_ramp(const T& h, float n) {
   const T k = (h + n) - 6.0f * floor((h + n) * (1.0f / 6.0f));
-  return clamp(min(k, 4.0f - k), T(0.0f), T(1.0f));
+  return select(k < T(1.0f), k, select(k < T(3.0f), T(1.0f), select(k < T(4.0f), 4.0f - k, T(0.0f))));
 }
 }  // namespace detail
 
@@ -65,7 +66,8 @@ template <class T> constexpr vec3<T> rgbtohsv(const vec3<T>& c) {
   const T s = select(lit, x.chroma / select(lit, x.largest, T(1.0f)), T(0.0f));
   return {select(h < T(0.0f), h + 1.0f, h), s, x.largest};
 }
-/// MaterialX's hsvtorgb, but without its cut of saturations below 1e-4; hue wraps. Edges: every sixth of the hue.
+/// MaterialX's hsvtorgb, but without its cut of saturations below 1e-4; hue wraps. Edges: every sixth of the
+/// hue; the slopes there are those above.
 template <class T> constexpr vec3<T> hsvtorgb(const vec3<T>& hsv) {
   const T h = 6.0f * hsv.x, d = hsv.y * hsv.z;
   return {hsv.z - d * detail::hue_ramp(h, 5.0f), hsv.z - d * detail::hue_ramp(h, 3.0f),

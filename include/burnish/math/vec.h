@@ -47,7 +47,7 @@ template <class T> struct vec2 {
   friend constexpr vec2& operator*=(vec2& a, const T& s) { return a = a * s; }
   friend constexpr T dot(const vec2& a, const vec2& b) { return a.x * b.x + a.y * b.y; }
   friend constexpr T length(const vec2& a) { return sqrt(dot(a, a)); }
-  friend constexpr vec2 normalize(const vec2& a) { return a * rsqrt(dot(a, a)); }
+  friend constexpr vec2 normalize(const vec2& a) { return a * rsqrt(max(dot(a, a), 1e-24f)); }
   friend constexpr vec2 mix(const vec2& a, const vec2& b, const T& t) { return a + (b - a) * t; }
 };
 
@@ -79,8 +79,8 @@ template <class T> struct vec3 {
     return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
   }
   friend constexpr T length(const vec3& a) { return sqrt(dot(a, a)); }
-  /// Not for the zero vector, which gives NaN.
-  friend constexpr vec3 normalize(const vec3& a) { return a * rsqrt(dot(a, a)); }
+  /// The zero vector stays as it is: within 1e-12 of it this is 1e12 a, in value and slope.
+  friend constexpr vec3 normalize(const vec3& a) { return a * rsqrt(max(dot(a, a), 1e-24f)); }
   friend constexpr vec3 mix(const vec3& a, const vec3& b, const T& t) { return a + (b - a) * t; }
   friend constexpr vec3 mix(const vec3& a, const vec3& b, const vec3& t) { return a + (b - a) * t; }
   friend constexpr vec3 min(const vec3& a, const vec3& b) { return {min(a.x, b.x), min(a.y, b.y), min(a.z, b.z)}; }

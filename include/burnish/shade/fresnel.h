@@ -41,6 +41,8 @@ template <class T> constexpr T fresnel_dielectric(const T& c, const same<T>& eta
 }
 
 /// Exact, unpolarised, of a metal with complex index eta + i k relative to the outside (Born & Wolf 1999, 14.2).
+/// Edge: k = 0 with eta^2 = 1 - c^2, where total reflection begins; nearer to it than 1e-10 value and slopes are
+/// finite, but no more than that.
 template <class T> constexpr T fresnel_conductor(const T& c, const same<T>& eta, const same<T>& k) {
   const T c2 = c * c, s2 = 1.0f - c2, e2 = eta * eta, k2 = k * k, q = e2 - k2 - s2, ek = 4.0f * e2 * k2;
   const T both = sqrt(max(q * q + ek, 1e-20f));
