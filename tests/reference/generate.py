@@ -5,7 +5,7 @@
 there. Exits with 1 and names array, worst difference and tolerance where they differ, with 2 where it cannot work.
 
 to set up (Debian 12):
-  apt-get install libllvm16
+  apt-get install libllvm19
   python3 -m venv mitsuba && mitsuba/bin/pip install mitsuba==3.9.1 drjit==1.5.0 numpy
 examples:
   mitsuba/bin/python tests/reference/generate.py                makes all, compares with the committed files
@@ -17,6 +17,7 @@ import glob
 import importlib
 import os
 import pathlib
+import re
 import sys
 import time
 
@@ -42,13 +43,14 @@ def load_mitsuba():
         if found != version:
             give_up(f"found {package} {found}, expected {version}; pip install {package}=={version}")
     if "DRJIT_LIBLLVM_PATH" not in os.environ:
-        for version in (16, 15, 17, 18, 19):  # 16 made the committed files; below 15 Dr.Jit refuses
-            found = glob.glob(f"/usr/lib/*/libLLVM-{version}.so.1") + glob.glob(f"/usr/lib/*/libLLVM.so.{version}*")
-            if found:
-                os.environ["DRJIT_LIBLLVM_PATH"] = found[0]
-                break
-        else:
-            give_up("found no libLLVM 15 to 19; apt-get install libllvm16, or set DRJIT_LIBLLVM_PATH")
+        found = [glob.glob(f"/usr/lib/*/libLLVM*.so.{v}*") for v in (19, 18, 17, 20, 21)]  # 19 made the committed files
+        found = [path for paths in found for path in paths]
+        if not found:
+            give_up("found no libLLVM 17 to 21; apt-get install libllvm19, or set DRJIT_LIBLLVM_PATH")
+        os.environ["DRJIT_LIBLLVM_PATH"] = found[0]
+    path = os.environ["DRJIT_LIBLLVM_PATH"]
+    if re.search(r"libLLVM-1[4-6]", os.path.realpath(path)):
+        give_up(f"found {path}, expected LLVM 17 or later; on 15 and 16 every maximum aborts: Cannot select: fmaximum")
     import mitsuba as mi
     mi.set_variant("llvm_ad_rgb")
     mi.set_log_level(mi.LogLevel.Error)

@@ -24,3 +24,24 @@ def uniform(stream, count, j):
 def between(stream, count, j, low, high):
     """float32 in [low, high]; inputs.h rounds in the same places."""
     return (low + (high - low) * uniform(stream, count, j)).astype(np.float32)
+
+
+def upward(stream, count, j):
+    """float64 (count, 3), unit, z > 0.035: from a box, so that square roots are all that is rounded."""
+    d = np.stack([2 * uniform(stream, count, j) - 1, 2 * uniform(stream, count, j + 1) - 1,
+                  0.05 + 0.95 * uniform(stream, count, j + 2)], 1)
+    return d / np.sqrt(np.sum(d * d, 1))[:, None]
+
+
+def directions(stream, count, alpha):
+    """To the viewer and to the light, float32 (count, 3), z up; they use numbers 0 to 7. Light is anywhere at points
+    with an even index; at odd ones it is mirrored at a half vector tilted by up to 3 alpha, where that is not below the
+    horizon, so that sharp lobes are met."""
+    v, l = upward(stream, count, 0), upward(stream, count, 3)
+    tilt = 3 * np.broadcast_to(np.asarray(alpha, np.float64), (count,))
+    h = np.stack([tilt * (2 * uniform(stream, count, 6) - 1), tilt * (2 * uniform(stream, count, 7) - 1),
+                  np.ones(count)], 1)
+    h /= np.sqrt(np.sum(h * h, 1))[:, None]
+    mirrored = 2 * np.sum(v * h, 1)[:, None] * h - v
+    use = (np.arange(count) % 2 == 1) & (mirrored[:, 2] > 0.05)
+    return v.astype(np.float32), np.where(use[:, None], mirrored, l).astype(np.float32)
