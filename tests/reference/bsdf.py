@@ -17,22 +17,19 @@ def vector(a):
 
 
 def stored(x):
-    """float32: (count,) of numbers, (count, 3) of colours; what does not depend on the point is repeated."""
-    a = np.array(x, np.float32)
-    if a.ndim == 2:
-        a = a.T
-    return np.broadcast_to(a, (COUNT,) + a.shape[1:])
+    """float32: (count,) of numbers, (count, 2 or 3) of vectors and colours."""
+    return np.ascontiguousarray(np.array(dr.detach(x), np.float32).T)
 
 
 def differentiated(out, name, evaluate, parameters, tolerance=1e-4):
     """evaluate(parameters as a dict of Dr.Jit numbers or colours) -> number or colour, and all its derivatives."""
-    parameters = dict(parameters)
+    parameters = {key: dr.detach(p) for key, p in parameters.items()}  # gradients add up in what is used twice
     for p in parameters.values():
         dr.enable_grad(p)
     y = evaluate(parameters)
     three = isinstance(y, mi.Color3f)
     dr.backward(y.x + 2 * y.y + 3 * y.z if three else y)
-    out[f"{name}_value"] = (stored(dr.detach(y)), tolerance)
+    out[f"{name}_value"] = (stored(y), tolerance)
     for key, p in parameters.items():
         out[f"{name}_by_{key}"] = (stored(dr.grad(p)), tolerance)
 
