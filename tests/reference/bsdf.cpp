@@ -33,8 +33,8 @@ TEST_CASE("Mitsuba: the Fresnel curves are its", "[reference][agreement]") {
     const double eta = between(2, i, 2, 0.4, 0.95), least = std::sqrt(1 - eta * eta + 0.02);
     return std::tuple{rounded(least + (1 - least) * between(2, i, 3, 0, 1)), eta};
   };
-  agrees("fresnel_dielectric", "Mitsuba 3.9.1 fresnel() from the denser side", "fresnel_inside", {"c", "eta"}, dielectric,
-         inside, 1e-5, 1e-5);
+  agrees("fresnel_dielectric", "Mitsuba 3.9.1 fresnel() from the denser side", "fresnel_inside", {"c", "eta"},
+         dielectric, inside, 1e-5, 1e-5);
   agrees("fresnel_conductor", "Mitsuba 3.9.1 fresnel_conductor()", "fresnel_conductor", {"c", "eta", "k"},
          [](std::size_t, auto c, auto eta, auto k) { return fresnel_conductor(c, eta, k); },
          [](std::size_t i) {
@@ -81,7 +81,8 @@ TEST_CASE("Mitsuba: with the conductor's Fresnel it is its roughconductor, by ev
       const auto [v, l] = directions(6, i, alpha);
       const vec3<T> eta = color<T>(6, i, 9, 0.1, 4), k = color<T>(6, i, 12, 0.2, 8),
                     reflectance = color<T>(6, i, 15, 0.05, 1);
-      const auto f = [&, to_v = v, to_l = l]<class U>(const U& a, const vec3<U>& e, const vec3<U>& j, const vec3<U>& r) {
+      const auto f = [&, to_v = v, to_l = l]<class U>(const U& a, const vec3<U>& e, const vec3<U>& j,
+                                                      const vec3<U>& r) {
         const auto [lobe, vh] = rough_mirror<U>(a, constant<U>(to_v), constant<U>(to_l));
         return fresnel_conductor(vh, e, j) * r * lobe;
       };
@@ -89,7 +90,8 @@ TEST_CASE("Mitsuba: with the conductor's Fresnel it is its roughconductor, by ev
       const auto [total, d_alpha, d_eta, d_k, d_reflectance] = differentiate(
           [&](const auto&... x) { return mixture(f(x...)); }, T(alpha), eta, k, reflectance);
       of_alpha.add(double(d_alpha), by_alpha(i), double(total) / alpha);
-      const auto by_channel = [&](Errors& errors, const Array& theirs, const vec3<double>& ours, const vec3<double>& p) {
+      const auto by_channel = [&](Errors& errors, const Array& theirs, const vec3<double>& ours,
+                                  const vec3<double>& p) {
         errors.add(ours.x, theirs(i, 0), y.x / p.x);
         errors.add(ours.y, theirs(i, 1), 2 * y.y / p.y);
         errors.add(ours.z, theirs(i, 2), 3 * y.z / p.z);
@@ -99,7 +101,8 @@ TEST_CASE("Mitsuba: with the conductor's Fresnel it is its roughconductor, by ev
       by_channel(of_k, by_k, vec3<double>(d_k), vec3<double>(k));
       by_channel(of_reflectance, by_reflectance, vec3<double>(d_reflectance), vec3<double>(reflectance));
     }
-    const std::string what = "fresnel_conductor ggx_d ggx_v_smith_separable nl", theirs = "Mitsuba 3.9.1 roughconductor";
+    const std::string what = "fresnel_conductor ggx_d ggx_v_smith_separable nl",
+                      theirs = "Mitsuba 3.9.1 roughconductor";
     of_value.claim(what, "value", theirs + ", relative", 5e-6);
     const auto slope = [&](const Errors& e, const std::string& by) {
       e.claim(what, "gradient", theirs + " by " + by + ", relative to max(slope, value / parameter)", 1e-5);

@@ -1,7 +1,7 @@
 # tests/reference/bsdf.py -- Fresnel curves, microfacets and BSDFs of Mitsuba 3, with their derivatives
 # SPDX-License-Identifier: Apache-2.0
-"""<name>_value is what Mitsuba evaluates at 10,000 points, <name>_by_<parameter> the derivative of value for numbers, of
-x + 2 y + 3 z for colours. BSDFs are f_r times the cosine of the light."""
+"""<name>_value is what Mitsuba evaluates at 10,000 points, <name>_by_<parameter> the derivative of it if it is a number,
+of x + 2 y + 3 z if it is a colour. BSDFs are f_r times the cosine of the light."""
 import drjit as dr
 import mitsuba as mi
 import numpy as np
@@ -135,7 +135,8 @@ def principled(out):
     v, l = directions(10, COUNT, np.where(np.arange(COUNT) % 4 == 3, 0.02, p["roughness"].numpy().astype(float)**2))
     in_double = {key: x.numpy().T.astype(complex) for key, x in p.items()}
     # A lobe whose parameter is not given is not compiled in.
-    bsdf = mi.load_dict({"type": "principled"} | {key: image() for key in p} | {"base_color": image(3), "specular": 0.5})
+    lobes = {key: image() for key in p} | {"base_color": image(3), "specular": 0.5}
+    bsdf = mi.load_dict({"type": "principled"} | lobes)
     differentiated(out, "principled", evaluated(bsdf, v, l), p)
     # Single precision leaves few digits of the clear coat's 1 + (a^2 - 1) cos^2, and other processors leave others.
     for key, tolerance in {"value": 1e-3, "by_clearcoat": 1e-3, "by_clearcoat_gloss": 1e-2}.items():

@@ -1,9 +1,9 @@
 // tests/reference/emitter_texture.cpp -- panoramas, lights, textures and normal maps against Mitsuba 3.9.1
 // SPDX-License-Identifier: Apache-2.0
 //
-// Rows of a panorama: burnish's lie at v = (j + .5) / H, as pixels do; those of Mitsuba's envmap at v = j / (H - 1), from
-// pole to pole. The same file is read half a row apart at the poles. Columns agree, and so do all axes. Mitsuba finds a
-// place in the panorama in single precision, up to 1.2e-5 of the value off what a lookup in double gives.
+// Rows of a panorama: burnish's lie at v = (j + .5) / H, as pixels do; those of Mitsuba's envmap at v = j / (H - 1),
+// from pole to pole. The same file is read half a row apart at the poles. Columns agree, and so do all axes. Mitsuba
+// finds a place in the panorama in single precision, up to 1.2e-5 of the value off what a lookup in double gives.
 #include <burnish/light/illuminate.h>
 #include <burnish/nodes/image.h>
 #include <burnish/nodes/normal.h>
@@ -19,10 +19,13 @@ vec3<double> around(int stream, std::size_t i) {
                r = std::sqrt(x * x + y * y + z * z);
   return rounded(vec3<double>(x / r, y / r, z / r));
 }
+vec3<double> color(int stream, std::size_t i, int j, double low, double high) {
+  return {between(stream, i, j, low, high), between(stream, i, j + 1, low, high), between(stream, i, j + 2, low, high)};
+}
 Image random_panorama() {
   Image image(32, 16);
   for (int i = 0; i < 512; ++i)
-    image.set(i % 32, i / 32, vec3<float>(between(20, i, 0, 0.1, 1), between(20, i, 1, 0.1, 1), between(20, i, 2, 0.1, 1)));
+    image.set(i % 32, i / 32, color(20, std::size_t(i), 0, 0.1, 1));
   return image;
 }
 /// The green of that panorama at (u, v), bilinear, in double; v between the first and the last row's centres.
@@ -79,9 +82,11 @@ TEST_CASE("Mitsuba: a smooth sky looks the same, each with rows of its own", "[r
     own.add(y, aligned(i)), same_file.add(y, centred(i));
     truth.add(y, 1 + 0.5 * d.y + 0.3 * d.x + 0.1 * d.z);
   }
-  own.claim("EnvironmentLight", "value", "Mitsuba 3.9.1 envmap of a smooth sky, each sampled at its own rows, relative", 3e-3);
+  own.claim("EnvironmentLight", "value",
+            "Mitsuba 3.9.1 envmap of a smooth sky, each sampled at its own rows, relative", 3e-3);
   same_file.claim("EnvironmentLight", "value",
-                  "Mitsuba 3.9.1 envmap of the same 64 x 32 file: half a row (2.8 degrees) apart at the poles, relative", 0.05);
+                  "Mitsuba 3.9.1 envmap of the same 64 x 32 file: half a row (2.8 degrees) apart at the poles, relative",
+                  0.05);
   truth.claim("EnvironmentLight", "value", "the smooth sky itself, relative", 3e-3);
 }
 
@@ -103,13 +108,10 @@ TEST_CASE("Mitsuba: a sun's light on a diffuse surface is its directional, and i
   const Array value = load("directional_value"), slope = load("directional_by_irradiance");
   Errors of_value, of_slope;
   for (std::size_t k = 0; k < 8; ++k) {
-    const auto rgb = [&](std::uint64_t j, double low, double high) {
-      return vec3<double>(between(26, k, j, low, high), between(26, k, j + 1, low, high), between(26, k, j + 2, low, high));
-    };
     Surface<double> s;
-    s.base_color = rgb(3, 0.1, 0.9), s.specular_weight = 0;
+    s.base_color = color(26, k, 3, 0.1, 0.9), s.specular_weight = 0;
     Sun<double> sun;
-    sun.direction = around(27, k) * -1.0, sun.power = rgb(0, 0.2, 3);
+    sun.direction = around(27, k) * -1.0, sun.power = color(26, k, 0, 0.2, 3);
     vec3<double> sum;
     for (std::size_t i = 125 * k; i < 125 * k + 125; ++i) {
       const vec3<double> n = around(25, i);
@@ -182,19 +184,20 @@ TEST_CASE("Mitsuba: NormalMap is its normalmap, by the colour too", "[reference]
     long dark = 0;
     for (std::size_t i = 0; i < 4000; ++i) {
       const auto [v, l] = directions(24, i, 0.3);
-      const vec3<double> color(between(24, i, 8, 0.25, 0.75), between(24, i, 9, 0.25, 0.75),
-                                 between(24, i, 10, 0.7, 1));
+      const vec3<double> coded(between(24, i, 8, 0.25, 0.75), between(24, i, 9, 0.25, 0.75),
+                               between(24, i, 10, 0.7, 1));
       const auto f = [&, to_v = v, to_l = l]<class U>(const vec3<U>& c) {
-        const vec3<U> n = NormalMap<U>{}(c), out = constant<U>(to_v), from = constant<U>(to_l), h = normalize(out + from);
+        const vec3<U> n = NormalMap<U>{}(c), out = constant<U>(to_v), from = constant<U>(to_l);
+        const vec3<U> h = normalize(out + from);
         const U nv = dot(n, out), nl = dot(n, from), r = sqrt(U(0.3f));
         const U seen = select(nv > U(0.0f) && nl > U(0.0f), U(1.0f), U(0.0f));
         const U lobe = nested == "ggx" ? ggx_d(r, n, h) * ggx_v_smith_separable(r, max(nl, 0.0f), max(nv, 0.0f))
                                        : U(0.5f * inverse_pi);
         return lobe * nl * seen;
       };
-      const vec3<double> n = normalize(color * 2.0 - vec3<double>(1.0));
+      const vec3<double> n = normalize(coded * 2.0 - vec3<double>(1.0));
       if (std::min(std::fabs(dot(n, v)), std::fabs(dot(n, l))) < 1e-3) continue;  // edges: the horizons
-      const auto [y, d] = differentiate(f, color);
+      const auto [y, d] = differentiate(f, coded);
       dark += value(i) == 0;
       // A value may lie near its own horizon: the cosine's rounding is one of 1.
       const double scale = std::fabs(value(i)) / std::min(std::fabs(dot(n, l)), std::fabs(dot(n, v)));

@@ -62,7 +62,8 @@ def directionals(out):
     """8 lights on 125 diffuse surfaces each: reflected radiance, and its slope by the irradiance."""
     normal, value, slope = sphere(25)[:1000], [], []
     for k in range(8):
-        e, rho = [between(26, 8, j, 0.2, 3)[k] for j in range(3)], [between(26, 8, 3 + j, 0.1, 0.9)[k] for j in range(3)]
+        e = [between(26, 8, j, 0.2, 3)[k] for j in range(3)]
+        rho = [between(26, 8, 3 + j, 0.1, 0.9)[k] for j in range(3)]
         travels = sphere(27)[k]
         light = mi.load_dict({"type": "directional", "direction": [float(x) for x in travels],
                               "irradiance": {"type": "rgb", "value": [float(x) for x in e]}})

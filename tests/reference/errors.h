@@ -37,12 +37,13 @@ private:
   long beyond_ = 0, points_ = 0;
 };
 
-/// f(i, numbers...) -> number at all points of the arrays <name>_value and <name>_by_<parameter>, in double and in float;
-/// draw(i) gives its numbers as a tuple. A slope may be off in units of itself or of value / parameter, the greater: near
-/// a slope's zero no renderer in single precision has digits of it.
+/// f(i, numbers...) -> number at all points of the arrays <name>_value and <name>_by_<parameter>, in double and in
+/// float; draw(i) gives its numbers as a tuple. A slope may be off in units of itself or of value / parameter, the
+/// greater: near a slope's zero no renderer in single precision has digits of it.
 template <class F, class Draw>
 void agrees(const std::string& what, const std::string& theirs, const std::string& name,
-            const std::vector<std::string>& parameters, F f, Draw draw, double value_tolerance, double slope_tolerance) {
+            const std::vector<std::string>& parameters, F f, Draw draw, double value_tolerance,
+            double slope_tolerance) {
   const Array value = load(name + "_value");
   std::vector<Array> slopes;
   for (const std::string& p : parameters) slopes.push_back(load(name + "_by_" + p));

@@ -42,7 +42,8 @@ TEST_CASE("Reference files: types are read, and what is wrong is named", "[refer
   const std::string shape = "'fortran_order': False, 'shape': (2,), }\n";
   CHECK(message(npy("{'descr': '|u1', " + shape, "ab")) == "read 2");
   CHECK(message(npy("{'descr': '|u1', " + shape, "a")) == "wrong.npy: 1 bytes of numbers, expected 2");
-  CHECK(message(npy("{'descr': '<f8', " + shape, "ab")) == "wrong.npy: type '<f8', expected '<f4', '<f2', '<i4' or '|u1'");
+  CHECK(message(npy("{'descr': '<f8', " + shape, "ab")) ==
+        "wrong.npy: type '<f8', expected '<f4', '<f2', '<i4' or '|u1'");
   CHECK(message("no numbers at all") == "wrong.npy: no .npy file");
   CHECK(message(npy("{'descr': '|u1', 'fortran_order': True, 'shape': (2,), }", "ab")) ==
         "wrong.npy: columns first, expected rows first");

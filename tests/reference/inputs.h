@@ -24,7 +24,9 @@ inline double rounded(double x) {
   const volatile float y = float(x);
   return y;
 }
-inline burnish::vec3<double> rounded(const burnish::vec3<double>& v) { return {rounded(v.x), rounded(v.y), rounded(v.z)}; }
+inline burnish::vec3<double> rounded(const burnish::vec3<double>& v) {
+  return {rounded(v.x), rounded(v.y), rounded(v.z)};
+}
 /// In [low, high], rounded to float where inputs.py rounds. Fused, the two operations would decide ties otherwise.
 inline double between(std::uint64_t stream, std::uint64_t i, std::uint64_t j, double low, double high) {
   const volatile double part = (high - low) * uniform(stream, i, j);

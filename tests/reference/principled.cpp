@@ -1,10 +1,10 @@
 // tests/reference/principled.cpp -- the principled BRDF against Mitsuba 3.9.1, value and slope by every parameter
 // SPDX-License-Identifier: Apache-2.0
 //
-// At 10,000 points with all lobes on, in double and in float, the worse of which makes the row. Mitsuba computes the clear
-// coat's t = 1 + (a^2 - 1) nh^2 in single precision, of which at the peak little is left: normalising h and squaring nh
-// may be off by 3 2^-23, and t by that over t. What this alone may cost is taken from the differences. Who is right where
-// they differ, the generator's third path tells: the published formulas in double.
+// At 10,000 points with all lobes on, in double and in float, the worse of which makes the row. Mitsuba computes the
+// clear coat's t = 1 + (a^2 - 1) nh^2 in single precision, of which at the peak little is left: normalising h and
+// squaring nh may be off by 3 2^-23, and t by that over t. What this alone may cost is taken from the differences. Who
+// is right where they differ, the generator's third path tells: the published formulas in double.
 #include <burnish/shade/principled.h>
 #include <burnish_test.h>
 #include "errors.h"

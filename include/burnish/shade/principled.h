@@ -20,8 +20,8 @@
 
 namespace burnish {
 
-/// base_color is linear RGB, roughness perceptual; the axes of anisotropic are those of the tangent frame, the lobe being
-/// wider along x.
+/// base_color is linear RGB, roughness perceptual; the axes of anisotropic are those of the tangent frame, the lobe
+/// being wider along x.
 template <class T> struct Principled {
   vec3<T> base_color = {0.5f, 0.5f, 0.5f};
   T roughness = 0.5f;
@@ -90,8 +90,8 @@ constexpr vec3<T> principled_base_cos(const Principled<T>& p, const vec3<same<T>
   const T ss90 = p.roughness * vh * vh - 1.0f;
   const T ss = (1.0f + ss90 * schlick_weight(nl)) * (1.0f + ss90 * schlick_weight(nv));
   const T flat = 1.25f * (ss * (1.0f / (nl + nv) - 0.5f) + 0.5f);
-  const vec3<T> diffuse =
-      mix(burley(p.base_color, p.roughness, nl, nv, vh), p.base_color * (flat * T(inverse_pi)), p.flatness) * dielectric;
+  const vec3<T> rough = burley(p.base_color, p.roughness, nl, nv, vh);
+  const vec3<T> diffuse = mix(rough, p.base_color * (flat * T(inverse_pi)), p.flatness) * dielectric;
   const vec3<T> sheen = mix(white, tint, p.sheen_tint) * (p.sheen * dielectric * grazing);
   return (f * (d * g) + diffuse + sheen) * (nl * detail::in_front<T>(to_v, to_l));
 }
