@@ -85,7 +85,7 @@ TEST_CASE("Mitsuba: a smooth sky looks the same, each with rows of its own", "[r
   own.claim("EnvironmentLight", "value",
             "Mitsuba 3.9.1 envmap of a smooth sky, each sampled at its own rows, relative", 3e-3);
   same_file.claim("EnvironmentLight", "value",
-                  "Mitsuba 3.9.1 envmap of the same 64 x 32 file: half a row (2.8 degrees) apart at the poles, relative",
+                  "Mitsuba 3.9.1 envmap of the same 64 x 32 file, half a row (2.8 deg) apart at the poles; relative",
                   0.05);
   truth.claim("EnvironmentLight", "value", "the smooth sky itself, relative", 3e-3);
 }

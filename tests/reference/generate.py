@@ -2,7 +2,8 @@
 # tests/reference/generate.py -- makes the numbers in data/ with Mitsuba 3, or says that they have changed
 # SPDX-License-Identifier: Apache-2.0
 """Makes the reference numbers of tests/reference/data with Mitsuba 3.9.1 and Dr.Jit 1.5.0, and compares them with the
-files there. Exits with 1 and names array, worst difference and tolerance where they differ, with 2 where it cannot work.
+files there. Exits with 1 and names array, worst difference and tolerance where they differ, with 2 where it cannot
+work.
 
 to set up (Debian 12):
   apt-get install libllvm19

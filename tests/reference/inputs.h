@@ -19,7 +19,7 @@ constexpr std::uint64_t splitmix64(std::uint64_t counter) {
 constexpr double uniform(std::uint64_t stream, std::uint64_t i, std::uint64_t j) {
   return double(splitmix64((stream << 48) + (i << 8) + j) >> 40) / 16777216;
 }
-/// x rounded to float. Volatile, for g++ 12 at -O3 forgets the rounding of three neighbours (double to float and back).
+/// x rounded to float. Volatile, for g++ 12's vectoriser forgets that rounding where neighbours go to float and back.
 inline double rounded(double x) {
   const volatile float y = float(x);
   return y;
