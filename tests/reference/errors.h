@@ -18,6 +18,7 @@ public:
     const double size = std::max({std::fabs(theirs), scale, 1e-30}), off = std::fabs(ours - theirs);
     const double error = std::max(off - allowed, 0.0) / size, plain = off / std::max(std::fabs(theirs), 1e-30);
     worst_ = std::max(worst_, std::isfinite(off) ? error : 1e30);
+    unforgiven_ = std::max(unforgiven_, std::isfinite(off) ? off / size : 1e30);
     beyond_ += !(plain <= 1e-5);
     ++points_;
   }
@@ -26,6 +27,11 @@ public:
   void claim(const std::string& what, const std::string& kind, const std::string& against, double tolerance) const {
     record::claim(what, kind, against, tolerance, worst_, points_);
   }
+  /// The same with nothing allowed.
+  void claim_unforgiven(const std::string& what, const std::string& kind, const std::string& against,
+                        double tolerance) const {
+    record::claim(what, kind, against, tolerance, unforgiven_, points_);
+  }
   /// The share of the points that are off by more than 1e-5 of theirs alone, whatever the scale.
   void claim_share(const std::string& what, const std::string& kind, const std::string& against, double most) const {
     record::claim(what, kind, against + "; share of points off by more than 1e-5 of it alone", most,
@@ -33,7 +39,7 @@ public:
   }
 
 private:
-  double worst_ = 0;
+  double worst_ = 0, unforgiven_ = 0;
   long beyond_ = 0, points_ = 0;
 };
 
