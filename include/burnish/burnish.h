@@ -48,6 +48,7 @@
 #include <burnish/shade/diffuse.h>
 #include <burnish/shade/fresnel.h>
 #include <burnish/shade/ggx.h>
+#include <burnish/shade/principled.h>
 #include <burnish/light/environment.h>
 #include <burnish/light/illuminate.h>
 #include <burnish/light/irradiance.h>
