@@ -1,5 +1,5 @@
-# tests/register/register.cmake -- every public differentiable function has a gradient that the tests of this run
-# checked SPDX-License-Identifier: Apache-2.0
+# tests/register/register.cmake -- the tests of this run checked a gradient of every public differentiable function
+# SPDX-License-Identifier: Apache-2.0
 #
 # cmake -D include=<the folder above burnish/> -D record=<the folder of the programs' records> [-D scratch=ON]
 #   -P register.cmake
