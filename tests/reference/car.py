@@ -1,11 +1,11 @@
 # tests/reference/car.py -- a low-poly car of our own on a plate, and the camera that looks at it
 # SPDX-License-Identifier: Apache-2.0
 """Metres, +Y up, front faces counter-clockwise, normals outwards. Four parts: body, windows, wheels, ground. Body and
-windows are superellipsoids (Barr 1981) with their own normals, the wheels prisms that sink a centimetre into the ground."""
+windows are superellipsoids (Barr 1981) with their own normals; the wheels are prisms that sink into the ground."""
 import numpy as np
 
 PARTS = ["body", "windows", "wheels", "ground"]
-EYE, TARGET, FOV = (3.4, 2.3, 4.6), (0.05, 0.5, 0.0), 42.0  # degrees across the width; images.h has the same
+EYE, TARGET, FOV = (3.4, 2.3, 4.6), (0.05, 0.5, 0.0), 42.0  # degrees across the width; as in images.h
 NEAR = 0.5                                                  # of Mitsuba's camera; burnish has none
 
 

@@ -1,7 +1,7 @@
 # tests/reference/images.py -- pictures of the car by Mitsuba: what its camera sees, under suns, under a sky
 # SPDX-License-Identifier: Apache-2.0
-"""All at the pixels' centres: a stratified sampler without jitter, one sample a pixel, a box filter. A picture is stored
-for those pixels only that hit the car, in the order of the rows."""
+"""All at the pixels' centres: a stratified sampler without jitter, one sample a pixel, a box filter. A picture is
+stored for those pixels only that hit the car, in the order of the rows."""
 import drjit as dr
 import mitsuba as mi
 import numpy as np
@@ -54,7 +54,7 @@ def shot(scene, integrator, **more):
 
 def part_ids(scene, shaded=False):
     """Which part each pixel sees, 255 none: Mitsuba's own numbers of its shapes are none that one can foresee. shaded:
-    none as well where the interpolated normal looks away from the viewer; Mitsuba is black there, and burnish bends it."""
+    none as well where the interpolated normal looks away from the viewer: Mitsuba is black, burnish bends it."""
     aovs = np.array(shot(scene, {"type": "aov", "aovs": "s:shape_index,n:sh_normal,p:position"}))
     seen, view = aovs[..., 0], np.array(EYE) - aovs[..., 4:7]
     own = {name: dr.reinterpret_array(mi.UInt32, mi.ShapePtr(s))[0] for s in scene.shapes() for name in PARTS
@@ -89,7 +89,7 @@ def weights(width, height):
     return (0.2 + 0.1 * ((7 * p + 3 * c) % 11)).astype(np.float32)
 
 
-# --- suns: a normal map over a blend of diffuse and GGX metal -----------------------------------------------------------
+# --- suns: a normal map over a blend of diffuse and GGX metal, and over principled
 PAINTS = [dict(color=(0.62, 0.13, 0.08), roughness=0.38, metalness=0.45),
           dict(color=(0.15, 0.2, 0.26), roughness=0.24, metalness=0.7),
           dict(color=(0.22, 0.21, 0.2), roughness=0.62, metalness=0.3),
@@ -170,7 +170,7 @@ def under_suns(bsdf, set_bsdf):
     return ids, pack(pictures), pack(slopes), pack(texels)
 
 
-# --- sky: burnish's own layers, integrated by Mitsuba ---------------------------------------------------------------------
+# --- sky: burnish's own layers, integrated by Mitsuba
 SURFACES = [dict(base_color=(0.55, 0.09, 0.06), specular_roughness=0.4, base_metalness=0.5, coat_weight=0.8,
                  coat_roughness=0.25),
             dict(base_color=(0.1, 0.13, 0.16), specular_roughness=0.25, base_metalness=0.2, coat_weight=0.0,
@@ -183,7 +183,7 @@ BUMP = (0.48, 0.62, 0.62)  # where the sky is brightest, before it is made unit
 
 
 def sky(d):
-    """Radiance by unit direction (..., 3): blue above, warm below, a bright bump 2.6 degrees wide. images.h has the same."""
+    """Radiance by unit direction (..., 3): blue above, warm below, a bright bump 2.6 degrees wide. As in images.h."""
     y = d[..., 1:2]
     above = 0.5 + 0.5 * np.tanh(6 * y)
     bump = np.exp((d @ (np.array(BUMP) / np.linalg.norm(BUMP)) - 1) / 0.002)[..., None]
@@ -218,8 +218,8 @@ def alone(points, normals, views, parts, bsdfs):
 
 
 def under_sky(blocked, runs, samples):
-    """Mean over `runs` of picture and gradient by parts x (colour, roughness, metalness, coat weight and roughness), and
-    the standard errors of these means."""
+    """Mean over `runs` of picture and gradient by parts x (colour, roughness, metalness, coat weight and roughness),
+    and the standard errors of these means."""
     env = {"type": "envmap", "bitmap": mi.Bitmap(panorama(513))}
     bsdfs = [{"type": "layered", **s, "base_color": mi.ScalarColor3f(s["base_color"])} for s in SURFACES]
     seen = scene_of(bsdfs, SMALL_WIDTH, SMALL_HEIGHT, sky=env)
@@ -253,7 +253,8 @@ def under_sky(blocked, runs, samples):
         sampler.seed(run + (1000 if blocked else 0), n * samples)
         color, _, _ = integrator.sample(scene, sampler, mi.RayDifferential3f(rays))
         dr.backward(dr.sum(sum(color[c] * weigh[c] for c in range(3))) / samples)
-        pictures.append(np.stack([np.array(dr.block_sum(dr.detach(color[c]), samples)) / samples for c in range(3)], -1))
+        channels = [np.array(dr.block_sum(dr.detach(color[c]), samples)) / samples for c in range(3)]
+        pictures.append(np.stack(channels, -1))
         slopes.append(np.concatenate([np.array(dr.grad(params[k])).ravel() for k in keys]).reshape(len(PARTS), -1))
     out = []
     for a in (np.array(pictures, np.float64), np.array(slopes, np.float64)):
@@ -268,7 +269,7 @@ def arrays():
         result |= {"car_shaded": (ids, 0), f"car_{name}": (picture, 1e-4), f"car_{name}_slope": (slope, 1e-4),
                    f"car_{name}_texels": (texels, 1e-3)}
     for name, blocked in [("open", False), ("blocked", True)]:
-        ids, (picture, error, slope, slope_error) = under_sky(blocked, runs=64, samples=1024)
+        ids, (picture, error, slope, slope_error) = under_sky(blocked, runs=32, samples=1024)
         result |= {"car_small_shaded": (ids, 0), f"sky_{name}": (picture, 0.02), f"sky_{name}_error": (error, 1),
                    f"sky_{name}_slope": (slope, 0.02), f"sky_{name}_slope_error": (slope_error, 1)}
     return result

@@ -69,10 +69,12 @@ class Layered(mi.BSDF):
 
         f0, f0c = f0_of(IOR), f0_of(COAT_IOR)
         f90, f90c = f90_of(f0), f90_of(f0c)
-        k = mix(f0c, 1 - (1 - average_fresnel(COAT_IOR)) / COAT_IOR**2, mix(1, self.specular_roughness, self.base_metalness))
+        inner = 1 - (1 - average_fresnel(COAT_IOR)) / COAT_IOR**2
+        k = mix(f0c, inner, mix(1, self.specular_roughness, self.base_metalness))
         darkening = mix(1, (1 - k) / (1 - self.base_color * k), self.coat_weight)
         in_and_out = (1 - self.coat_weight * schlick(nl, f0c, f90c)) * (1 - self.coat_weight * schlick(nv, f0c, f90c))
-        fresnel = schlick(vh, mix(mi.Color3f(f0), self.base_color, self.base_metalness), mix(f90, 1, self.base_metalness))
+        f0_base = mix(mi.Color3f(f0), self.base_color, self.base_metalness)
+        fresnel = schlick(vh, f0_base, mix(f90, 1, self.base_metalness))
         diffuse = ((1 - self.base_metalness) * self.base_color / dr.pi *
                    (1 - schlick(nl, f0, f90)) * (1 - schlick(nv, f0, f90)))
         return nl * ((fresnel * ggx(base) + diffuse) * darkening * in_and_out +
