@@ -30,9 +30,7 @@ inline Shot gather(const World& world, const Raycaster& scene, const GBuffer& g,
       if (roles[std::size_t(i)] == Role(r)) places[r].push_back(int(order.size())), order.push_back(i);
   const GBuffer sorted = g.picked(order);
   const auto blocked = [&](int i, std::span<const vec3<float>> directions, std::span<std::uint8_t> out) {
-    static thread_local std::vector<vec3<float>> origins;
-    origins.assign(directions.size(), scene.lift(sorted.at(i).position, sorted.geometric_normal(i)));
-    scene.occluded(origins, directions, out);
+    scene.blocked(sorted, i, directions, out);
   };
   Shot shot{{}, LightOf<float>(Illumination(world.sky, sorted, blocked, {.rings = rings, .occluded = world.occluded}))};
   for (std::size_t r = 0; r < 4; ++r) shot.parts[r] = sorted.picked(places[r], false);

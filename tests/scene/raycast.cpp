@@ -166,6 +166,32 @@ TEST_CASE("Raycaster: occlusion by a square in front of the sky", "[scene][agree
   }
 }
 
+TEST_CASE("Raycaster: a convex mesh hides exactly what lies behind a face from that face, at its edges too",
+          "[scene][agreement]") {
+  const Raycaster caster(shapes::sphere({0, 0, 0}, 1, 7));
+  const GBuffer g = caster.trace(looking_at({0.4f, 0.3f, 4}, 32, 96, 96), 1);
+  std::vector<vec3<float>> directions;
+  for (int k = 0; k < 60; ++k) {
+    const float a = 2.4f * float(k), y = 1 - (float(k) + 0.5f) / 30;
+    directions.push_back(vec3<float>(std::sqrt(1 - y * y) * std::cos(a), y, std::sqrt(1 - y * y) * std::sin(a)));
+  }
+  const auto seen = caster.visible(g, directions);
+  std::vector<std::uint8_t> blocked(directions.size());
+  int wrong = 0, asked = 0;
+  for (int i = 0; i < g.size(); ++i) {
+    caster.blocked(g, i, directions, blocked);
+    for (std::size_t d = 0; d < directions.size(); ++d) {
+      const float above = dot(g.geometric_normal(i), directions[d]);
+      if (std::abs(above) < 1e-6f) continue;
+      ++asked;
+      wrong += (seen[d * std::size_t(g.padded_size()) + std::size_t(i)] == 1) != (above > 0);
+      wrong += (blocked[d] == 0) != (above > 0);
+    }
+  }
+  CHECK(wrong == 0);
+  CHECK(asked > 100000);
+}
+
 TEST_CASE("Raycaster: the same bits for any number of threads", "[scene][agreement]") {
   const Raycaster caster(shapes::sphere({0, 0, 0}, 1, 40));
   const Camera c = looking_at({1, 1, 3}, 45, 101, 67);

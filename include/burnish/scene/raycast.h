@@ -172,7 +172,8 @@ public:
   }
 
   /// What shines on a G-buffer: planes of visibility, one a direction (unit, from the surface to the light, infinitely
-  /// far), each padded_size() long: out[d * padded_size() + i] is 1 where surfel i sees direction d, else 0.
+  /// far), each padded_size() long: out[d * padded_size() + i] is 1 where surfel i sees direction d, else 0. Behind its
+  /// own face it sees nothing.
   std::vector<std::uint8_t> visible(const GBuffer& g, std::span<const vec3<float>> directions) const {
     const int n = g.size(), stride = g.padded_size(), block = 256;
     std::vector<std::uint8_t> out(std::size_t(stride) * directions.size());
@@ -187,7 +188,8 @@ public:
           shadow_packet(count, true, std::numeric_limits<float>::infinity(), to + i, [&](int k) {
             return Ray{origins[i + k], directions[d]};
           });
-          for (int k = 0; k < count; ++k) to[i + k] = !to[i + k];
+          for (int k = 0; k < count; ++k)
+            to[i + k] = !to[i + k] && dot(g.geometric_normal(i + k), directions[d]) > 0;
         }
       }
     });
@@ -196,6 +198,19 @@ public:
       std::fill(to + n, to + stride, to[n - 1]);
     }
     return out;
+  }
+
+  /// From surfel i of g: out[k] becomes 1 where unit direction k is blocked, by the mesh or because it lies behind the
+  /// surfel's own face, else 0. What Illumination asks for; it may be called from many threads at once.
+  void blocked(const GBuffer& g, int i, std::span<const vec3<float>> directions, std::span<std::uint8_t> out) const {
+    const vec3<float> face = g.geometric_normal(i), from = lift(g.at(i).position, face);
+    for (std::size_t d = 0; d < directions.size(); d += packet) {
+      const int count = int(std::min(std::size_t(packet), directions.size() - d));
+      shadow_packet(count, false, std::numeric_limits<float>::infinity(), out.data() + d, [&](int k) {
+        return Ray{from, directions[d + std::size_t(k)]};
+      });
+    }
+    for (std::size_t d = 0; d < directions.size(); ++d) out[d] = out[d] || dot(face, directions[d]) <= 0;
   }
 
   /// A place off the surface along its unit geometric normal, where a ray may start and not meet the surface itself:
