@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <burnish_test.h>
 #include <burnish/light/pyramid.h>
+#include <record.h>
 #include "reference.h"
 using namespace burnish;
 constexpr double half_turn = reference::pi;
@@ -34,6 +35,19 @@ vec3<double> random_direction(std::mt19937& random) {
 }
 vec3<float> narrow(const vec3<double>& d) { return vec3<float>(d); }
 }  // namespace
+
+TEST_CASE("latlong: leads there and back, at the poles and the seam too", "[light][limit]") {
+  std::vector<vec3<double>> all = {{0, 1, 0}, {0, -1, 0}, {0, 0, -1}, {-1e-12, 0, -1}, {1e-12, 1, 0}, {-0.0, 0, -1}};
+  std::mt19937 random(1);
+  while (int(all.size()) < record::points()) all.push_back(random_direction(random));
+  double worst = 0;
+  for (const vec3<double>& d : all) {
+    const vec2<double> uv = latlong(d);
+    const double error = length(latlong_direction(uv.x, uv.y) - d);
+    worst = uv.x >= 0 && uv.x <= 1 && uv.y >= 0 && uv.y <= 1 && std::isfinite(error) ? std::max(worst, error) : 1e30;
+  }
+  record::claim("latlong, latlong_direction", "value", "there and back, poles and seam", 1e-11, worst, long(all.size()));
+}
 
 TEST_CASE("EnvironmentLight: a panorama of any size keeps its energy, suns and map together", "[light][energy]") {
   for (const auto& [w, h] : {std::pair(64, 32), {100, 50}, {301, 77}, {1500, 700}, {8, 4}}) {
