@@ -52,7 +52,7 @@ public:
     irradiance_.resize(std::size_t(blocks) * irradiance_block);
     sun_.resize(std::size_t(blocks) * std::max(suns_, 1) * 16);
     if (size_ == 0) return;
-    const Pyramid sky(environment);
+    const Surroundings sky(environment);
     const IrradianceMap unblocked(environment);
     const Transport transport(roughnesses(), slopes(), options.rings);
     parallel_for(blocks, [&](int b) {
@@ -72,7 +72,7 @@ public:
         for (int c = 0; c < Transport::irradiances; ++c) e[16 * c + k] = of_normal[c];
       }
       if (blocked) {
-        open = look(transport, block, b, environment.suns, blocked, sun);
+        open = look(transport, sky, block, b, environment.suns, blocked, sun);
         transport.block(sky, block, open.data(), options.occluded, e);
       }
       transport.gather(sky, block, blocked ? open.data() : nullptr, options.occluded,
@@ -177,12 +177,12 @@ private:
   };
 
   /// Which directions of a block are open, a bit a lane; and the part of each sun that is.
-  std::vector<std::uint16_t> look(const Transport& transport, const Transport::Block& block, int b,
+  std::vector<std::uint16_t> look(const Transport& transport, const Surroundings& sky, const Transport::Block& block, int b,
                                   const std::vector<Sun<float>>& suns, const Blocked& blocked, float* sun) const {
-    std::vector<std::uint16_t> open(transport.directions(), 0xffff);
+    std::vector<std::uint16_t> open(transport.directions(sky), 0xffff);
     std::vector<vec3<P>> directions(open.size());
     std::vector<unsigned> used(open.size());
-    for (int d = 0; d < int(open.size()); ++d) directions[d] = transport.direction(block, d, &used[d]);
+    for (int d = 0; d < int(open.size()); ++d) directions[d] = transport.direction(sky, block, d, &used[d]);
     std::vector<vec3<float>> rays;
     std::vector<std::uint8_t> out;
     for (int k = 0; k < 16 && 16 * b + k < size_; ++k) {

@@ -1,16 +1,29 @@
 // burnish/light/transport.h -- what reaches sixteen surfels, integrated against their lobes at many roughnesses at once
 // SPDX-License-Identifier: Apache-2.0
 //
-// A lane is a surfel: all sixteen walk through the same half vectors in step, so nothing is added up across lanes.
+// A lane is a surfel: all sixteen walk through the same half vectors in step, so nothing is added up across lanes. Near
+// a lobe's middle the rings look up the whole map; far from it, where they are wide, the dim rest of it, and the lamps
+// (light/lamps.h) come in one by one. In between both fade, by tan(theta_h): .05 to .25.
 #pragma once
 #include <cstdint>
 #include <span>
 #include <burnish/ad/packet.h>
 #include <burnish/light/irradiance.h>
+#include <burnish/light/lamps.h>
 #include <burnish/light/pyramid.h>
 #include <burnish/light/rings.h>
 
 namespace burnish {
+
+/// What shines, without its suns, prepared to be looked up.
+struct Surroundings {
+  Pyramid whole, rest;
+  std::vector<Lamp> lamps;
+  explicit Surroundings(const EnvironmentLight& e) : Surroundings(e, Lamps(e)) {}
+
+private:
+  Surroundings(const EnvironmentLight& e, Lamps l) : whole(e), rest(l.rest), lamps(std::move(l.all)) {}
+};
 
 /// The integrals over directions l of L D V nl times 1 - x(vh), x(vh), x(nl) (1 - x(vh)) and x(nl) x(vh), L the
 /// radiance, x(c) = (1 - c)^5, V the height-correlated Smith visibility; each in RGB: twelve numbers a roughness, and
@@ -24,6 +37,7 @@ public:
   Transport(std::span<const double> roughness, std::span<const double> d_alpha2, Rings::Size size = Rings::Size::medium)
       : rings(size), knots(int(roughness.size())) {
     const int n = rings.rings();
+    for (const float z : rings.half_z) far.push_back(far_share(1 / (z * z) - 1));
     std::vector<double> w(n), dw(n);
     for (int k = 0; k < knots; ++k) {
       const double a2 = roughness[k] * roughness[k] * roughness[k] * roughness[k];
@@ -44,7 +58,7 @@ public:
         hemisphere.push_back({float(sine * std::cos(angle)),
                               float(sine * std::sin(angle)),
                               float(c),
-                              float(1.6 / 12 * cell),
+                              float(1.0 / 3 * cell),
                               {float(cell * c), float(cell * c * f), float(cell * c * f * f)}});
       }
     }
@@ -67,10 +81,17 @@ public:
     }
   };
 
-  /// Directions looked at: those of the rings, then those of the hemisphere.
-  int directions() const { return rings.directions() + int(hemisphere.size()); }
+  /// Directions looked at: those of the rings, of the hemisphere, and of the lamps.
+  int directions(const Surroundings& sky) const { return first_lamp() + int(sky.lamps.size()); }
   /// Direction i of every lane, world, and where it matters (above the horizon).
-  vec3<P> direction(const Block& b, int i, unsigned* used) const {
+  vec3<P> direction(const Surroundings& sky, const Block& b, int i, unsigned* used) const {
+    if (i >= first_lamp()) {
+      const vec3<P> d(sky.lamps[i - first_lamp()].direction);
+      const P nl = dot(d, b.normal);
+      *used = 0;
+      for (int k = 0; k < 16; ++k) *used |= unsigned(nl[k] > 1e-7f) << k;
+      return d;
+    }
     if (i >= rings.directions()) {
       const Sample& s = hemisphere[i - rings.directions()];
       *used = 0xffff;
@@ -85,29 +106,46 @@ public:
 
   /// table: knots x channels x {value, slope} x 16. open[i]: bit k is set where direction i of lane k sees the
   /// environment (null: everywhere); the others see `occluded`.
-  void gather(const Pyramid& sky, const Block& b, const std::uint16_t* open, const vec3<float>& occluded, float* table,
-              bool normalized = true) const {
+  void gather(const Surroundings& sky, const Block& b, const std::uint16_t* open, const vec3<float>& occluded,
+              float* table, bool normalized = true) const {
     std::fill_n(table, std::size_t(knots) * channels * 32, 0.0f);
-    const int n = rings.directions();
+    const int n = rings.directions(), lamps = int(sky.lamps.size());
+    P part[batch][channels], nl[batch], x2[batch];
     for (int first = 0; first < n; first += batch) {
       const int count = std::min(batch, n - first);
-      P part[batch][channels], nl[batch];
       for (int j = 0; j < count; ++j) prepare(sky, b, first + j, open, occluded, part[j], nl[j]);
-      for (int k = 0; k < knots; ++k) integrate(b, k, first, count, part, nl, table + std::size_t(k) * channels * 32);
+      for (int k = 0; k < knots; ++k) {
+        const float *w = &weight[std::size_t(k) * rings.rings()], *dw = &d_weight[std::size_t(k) * rings.rings()];
+        integrate(b, k, count, part, nl, table, [&](int j, P* d, P* change) {
+          *d = w[rings.ring[first + j]], *change = dw[rings.ring[first + j]];
+        });
+      }
     }
     if (normalized && !albedo_ratio.empty()) normalize(b, table);
+    for (int at = 0; at < lamps;) {
+      int count = 0;
+      for (; count < batch && at < lamps; ++at)
+        count += prepare_lamp(sky, b, at, open, part[count], nl[count], x2[count]);
+      for (int k = 0; k < knots; ++k) {
+        const float a2 = alpha2[k];
+        integrate(b, k, count, part, nl, table, [&](int j, P* d, P* change) {
+          const P over = 1.0f / (a2 + x2[j]);
+          *d = (a2 * inverse_pi) * over * over, *change = *d * (1 / a2 - 2.0f * over);
+        });
+      }
+    }
   }
   /// irradiance: irradiances x 16, on entry those of the unblocked sky. Each is multiplied by what the hemisphere's
   /// directions find of it with and without the blocking: exact where nothing is blocked, and where everything is.
-  void block(const Pyramid& sky, const Block& b, const std::uint16_t* open, const vec3<float>& occluded,
+  void block(const Surroundings& sky, const Block& b, const std::uint16_t* open, const vec3<float>& occluded,
              float* irradiance) const {
     const int n = rings.directions();
     const auto whole = [](unsigned bits) { return bits == 0xffff; };
-    if (std::all_of(open + n, open + directions(), whole)) return;
+    if (std::all_of(open + n, open + first_lamp(), whole)) return;
     P seen[irradiances] = {}, all[irradiances] = {};
     for (int i = 0; i < int(hemisphere.size()); ++i) {
       const Sample& s = hemisphere[i];
-      const vec3<P> without = radiance(sky, b, n + i, s.spread, nullptr, occluded);
+      const vec3<P> without = radiance(sky.whole, sky, b, n + i, s.spread, nullptr, occluded);
       P l[3] = {without.x, without.y, without.z};
       for (int k = 0; k < 3; ++k) {
         for (int c = 0; c < 3; ++c) all[3 * k + c] += l[c] * s.weight[k];
@@ -131,7 +169,7 @@ private:
   };
   Rings rings;
   int knots;
-  std::vector<float> alpha2, slope, weight, d_weight;
+  std::vector<float> alpha2, slope, weight, d_weight, far;
   std::vector<float> albedo_ratio;  // [knot][weight][value, slope][cosine]
   std::vector<Sample> hemisphere;
 
@@ -146,13 +184,19 @@ private:
     return i < 4 ? w[3 - i] : w[i - 4];
   }
 
-  vec3<P> radiance(const Pyramid& sky, const Block& b, int i, P variance, const std::uint16_t* open,
-                   const vec3<float>& occluded) const {
+  int first_lamp() const { return rings.directions() + int(hemisphere.size()); }
+  /// What part of a light at half vectors of that tan^2 comes as lamps. Smooth and slow: the rings must resolve it.
+  template <class T> static T far_share(T tangent2) {
+    constexpr float begin = -2.9957323f, width = 1.6094379f;  // ln .05, ln (.25 / .05)
+    return smoothstep(T(begin), T(begin + width), 0.5f * log(max(tangent2, 1e-12f)));
+  }
+  vec3<P> radiance(const Pyramid& map, const Surroundings& sky, const Block& b, int i, P variance,
+                   const std::uint16_t* open, const vec3<float>& occluded) const {
     unsigned used;
-    const vec3<P> d = direction(b, i, &used);
+    const vec3<P> d = direction(sky, b, i, &used);
     const unsigned seen = open ? used & open[i] : used;
     alignas(64) float r[16], g[16], c[16];
-    sky.fetch(d.x, d.y, d.z, variance, seen, r, g, c);
+    map.fetch(d.x, d.y, d.z, variance, seen, r, g, c);
     if (const unsigned hidden = used & ~seen) {
       for (int k = 0; k < 16; ++k) {
         if (hidden >> k & 1) r[k] = occluded.x, g[k] = occluded.y, c[k] = occluded.z;
@@ -164,7 +208,7 @@ private:
   /// above) the same sums on dense rings, as a factor for each of the four weights, with its slope. Exact then, and
   /// closer otherwise.
   void normalize_by(const Transport& dense) {
-    const Pyramid even(EnvironmentLight(Image(32, 16, vec3<float>(1))));
+    const Surroundings even(EnvironmentLight(Image(32, 16, vec3<float>(1))));
     albedo_ratio.resize(std::size_t(knots) * 8 * cosines);
     const std::size_t size = std::size_t(knots) * channels * 32;
     std::vector<std::vector<float>> own(cosines / 16, std::vector<float>(size)), truth = own;
@@ -213,13 +257,39 @@ private:
     }
   }
   /// Sample i: radiance times all that does not depend on the roughness; zero where the sample is below the horizon.
-  void prepare(const Pyramid& sky, const Block& b, int i, const std::uint16_t* open, const vec3<float>& occluded,
+  void prepare(const Surroundings& sky, const Block& b, int i, const std::uint16_t* open, const vec3<float>& occluded,
                P* part, P& nl) const {
     const float hz = rings.half_z[i];
     const P vh = min(max(rings.half_x[i] * b.sv + hz * b.nv, 0.0f), 1.0f), z = 2.0f * vh * hz - b.nv;
-    const vec3<P> light = radiance(sky, b, i, rings.spread[i] * vh, open, occluded);  // 0 below the horizon
+    const auto of = [&](const Pyramid& map) {
+      return radiance(map, sky, b, i, rings.spread[i] * vh, open, occluded);  // 0 below the horizon
+    };
+    const vec3<P> light = sky.lamps.empty() || far[i] == 0 ? of(sky.whole)
+                          : far[i] == 1                    ? of(sky.rest)
+                                                           : mix(of(sky.whole), of(sky.rest), P(far[i]));
     nl = min(max(z, 1e-7f), 1.0f);
-    const P g = rings.share[i] * 4.0f / hz * vh * nl, fv = power5(1.0f - vh), fl = power5(1.0f - nl);
+    spread(light, rings.share[i] * 4.0f / hz * vh * nl, vh, nl, part);
+  }
+  /// The same of a lamp, and the tan^2 of its half vector. False if it is below everyone's horizon.
+  bool prepare_lamp(const Surroundings& sky, const Block& b, int i, const std::uint16_t* open, P* part, P& nl,
+                    P& x2) const {
+    unsigned seen;
+    const vec3<P> d = direction(sky, b, first_lamp() + i, &seen);
+    if (open) seen &= open[first_lamp() + i];
+    if (seen == 0) return false;
+    alignas(64) float shown[16];
+    for (int k = 0; k < 16; ++k) shown[k] = float(seen >> k & 1);
+    nl = min(max(dot(d, b.normal), 1e-7f), 1.0f);
+    const vec3<P> sum = d + b.view, across = cross(b.normal, sum);
+    const P size2 = max(dot(sum, sum), 1e-6f), over = rsqrt(size2), up = nl + b.nv, hz = min(up * over, 1.0f);
+    const P vh = min(0.5f * size2 * over, 1.0f);
+    x2 = dot(across, across) / (up * up);
+    spread(vec3<P>(sky.lamps[i].power), P::load(shown) * far_share(x2) * nl / (hz * hz * hz * hz), vh, nl, part);
+    return true;
+  }
+  /// Light times g and the four factors of the Fresnel terms.
+  static void spread(const vec3<P>& light, P g, P vh, P nl, P* part) {
+    const P fv = power5(1.0f - vh), fl = power5(1.0f - nl);
     const P with[4] = {g * (1.0f - fv), g * fv, g * fl * (1.0f - fv), g * fl * fv};
     for (int q = 0; q < 4; ++q) {
       part[3 * q] = with[q] * light.x, part[3 * q + 1] = with[q] * light.y, part[3 * q + 2] = with[q] * light.z;
@@ -227,20 +297,21 @@ private:
   }
   static P power5(P x) { return (x * x) * (x * x) * x; }
 
-  /// Adds `count` samples to one knot: sums of weight V and of its slope.
-  void integrate(const Block& b, int k, int first, int count, const P (*part)[channels], const P* nl,
-                 float* table) const {
+  /// Adds `count` samples to one knot: sums of weight V and of its slope. weigh(j, &weight, &its slope by alpha^2).
+  template <class Weigh> void integrate(const Block& b, int k, int count, const P (*part)[channels], const P* nl,
+                                        float* table, Weigh weigh) const {
+    table += std::size_t(k) * channels * 32;
     const float a2 = alpha2[k], rest = 1 - a2;
     const P sv = sqrt(a2 + rest * b.nv * b.nv), dsv = (1.0f - b.nv * b.nv) / (2.0f * sv);
-    const float *w = &weight[std::size_t(k) * rings.rings()], *dw = &d_weight[std::size_t(k) * rings.rings()];
     P value[channels], change[channels];
     for (int c = 0; c < channels; ++c) value[c] = P::load(table + 32 * c), change[c] = P::load(table + 32 * c + 16);
     for (int j = 0; j < count; ++j) {
-      const int ring = rings.ring[first + j];
+      P w, dw;
+      weigh(j, &w, &dw);
       const P l = nl[j], sl = sqrt(a2 + rest * l * l), sum = l * sv + b.nv * sl, both = 1.0f / (sl * sum);
       const P v = 0.5f * both * sl, dsl = (1.0f - l * l) * 0.5f * both * sum;
       const P d_v = v * (l * dsv + b.nv * dsl) * (-1.0f * both * sl);
-      const P weighted = w[ring] * v, d_weighted = (dw[ring] * v + w[ring] * d_v) * slope[k];
+      const P weighted = w * v, d_weighted = (dw * v + w * d_v) * slope[k];
       for (int c = 0; c < channels; ++c) {
         value[c] += weighted * part[j][c];
         change[c] += d_weighted * part[j][c];
