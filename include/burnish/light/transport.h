@@ -145,7 +145,7 @@ public:
     P seen[irradiances] = {}, all[irradiances] = {};
     for (int i = 0; i < int(hemisphere.size()); ++i) {
       const Sample& s = hemisphere[i];
-      const vec3<P> without = radiance(sky.whole, sky, b, n + i, s.spread, nullptr, occluded);
+      const vec3<P> without = radiance(sky, true, b, n + i, s.spread, 1.0f, nullptr, occluded);
       P l[3] = {without.x, without.y, without.z};
       for (int k = 0; k < 3; ++k) {
         for (int c = 0; c < 3; ++c) all[3 * k + c] += l[c] * s.weight[k];
@@ -190,19 +190,34 @@ private:
     constexpr float begin = -2.9957323f, width = 1.6094379f;  // ln .05, ln (.25 / .05)
     return smoothstep(T(begin), T(begin + width), 0.5f * log(max(tangent2, 1e-12f)));
   }
-  vec3<P> radiance(const Pyramid& map, const Surroundings& sky, const Block& b, int i, P variance,
+  /// Of sample i, averaged over its cell: `spread` is the variance of the cell's filter if it is round. slant: dot(v, h),
+  /// for the cell of a half vector that v meets at a slant is so much narrower than it is long, along the plane of v and
+  /// l. It is seen as one round spot of the same area, or if it is `whole` as 1, 2 or 4 in a row.
+  vec3<P> radiance(const Surroundings& sky, bool whole, const Block& b, int i, P spread, P slant,
                    const std::uint16_t* open, const vec3<float>& occluded) const {
     unsigned used;
-    const vec3<P> d = direction(sky, b, i, &used);
+    const vec3<P> d = direction(sky, b, i, &used), flat = b.view - d * dot(b.view, d);
     const unsigned seen = open ? used & open[i] : used;
-    alignas(64) float r[16], g[16], c[16];
-    map.fetch(d.x, d.y, d.z, variance, seen, r, g, c);
+    const P spots = whole ? select(slant < 0.25f, P(4.0f), select(slant < 0.5f, P(2.0f), P(1.0f))) : P(1.0f);
+    const P variance = spread * select(spots > 1.5f, 1.0f / (spots * spots), slant);
+    const vec3<P> along = flat * (sqrt(3.0f * spread) * rsqrt(max(dot(flat, flat), 1e-8f)));  // the cell's length
+    vec3<P> sum(P(0.0f), P(0.0f), P(0.0f));
+    for (int spot = 0; spot < 4; ++spot) {
+      unsigned wanted = 0;
+      for (int k = 0; k < 16; ++k) wanted |= unsigned(float(spot) < spots[k]) << k;
+      if ((wanted &= seen) == 0) break;
+      const vec3<P> q = d + along * ((float(spot) + 0.5f) / spots - 0.5f);
+      alignas(64) float r[16], g[16], c[16];
+      (whole ? sky.whole : sky.rest).fetch(q.x, q.y, q.z, variance, wanted, r, g, c);
+      sum += vec3<P>(P::load(r), P::load(g), P::load(c));
+    }
+    sum = sum * (1.0f / spots);
     if (const unsigned hidden = used & ~seen) {
       for (int k = 0; k < 16; ++k) {
-        if (hidden >> k & 1) r[k] = occluded.x, g[k] = occluded.y, c[k] = occluded.z;
+        if (hidden >> k & 1) sum.x.v[k] = occluded.x, sum.y.v[k] = occluded.y, sum.z.v[k] = occluded.z;
       }
     }
-    return {P::load(r), P::load(g), P::load(c)};
+    return sum;
   }
   /// Under an even sky the rings' sums depend on nv alone: for 64 of it and every knot, what they are short of (or
   /// above) the same sums on dense rings, as a factor for each of the four weights, with its slope. Exact then, and
@@ -261,12 +276,10 @@ private:
                P* part, P& nl) const {
     const float hz = rings.half_z[i];
     const P vh = min(max(rings.half_x[i] * b.sv + hz * b.nv, 0.0f), 1.0f), z = 2.0f * vh * hz - b.nv;
-    const auto of = [&](const Pyramid& map) {
-      return radiance(map, sky, b, i, rings.spread[i] * vh, open, occluded);  // 0 below the horizon
+    const auto of = [&](bool whole) {
+      return radiance(sky, whole, b, i, rings.spread[i], vh, open, occluded);  // 0 below the horizon
     };
-    const vec3<P> light = sky.lamps.empty() || far[i] == 0 ? of(sky.whole)
-                          : far[i] == 1                    ? of(sky.rest)
-                                                           : mix(of(sky.whole), of(sky.rest), P(far[i]));
+    const vec3<P> light = far[i] == 0 ? of(true) : far[i] == 1 ? of(false) : mix(of(true), of(false), P(far[i]));
     nl = min(max(z, 1e-7f), 1.0f);
     spread(light, rings.share[i] * 4.0f / hz * vh * nl, vh, nl, part);
   }
