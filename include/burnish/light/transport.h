@@ -192,13 +192,15 @@ private:
   }
   /// Of sample i, averaged over its cell: `spread` is the variance of the cell's filter if it is round. slant: dot(v, h),
   /// for the cell of a half vector that v meets at a slant is so much narrower than it is long, along the plane of v and
-  /// l. It is seen as one round spot of the same area, or if it is `whole` as 1, 2 or 4 in a row.
+  /// l. It is seen as one round spot of the same area, but on the whole map as 1, 2 or 4 in a row if it is wider than .6
+  /// degrees.
   vec3<P> radiance(const Surroundings& sky, bool whole, const Block& b, int i, P spread, P slant,
                    const std::uint16_t* open, const vec3<float>& occluded) const {
     unsigned used;
     const vec3<P> d = direction(sky, b, i, &used), flat = b.view - d * dot(b.view, d);
     const unsigned seen = open ? used & open[i] : used;
-    const P spots = whole ? select(slant < 0.25f, P(4.0f), select(slant < 0.5f, P(2.0f), P(1.0f))) : P(1.0f);
+    const bool round = !whole || spread[0] < 1e-4f;
+    const P spots = round ? P(1.0f) : select(slant > 0.5f, P(1.0f), select(slant > 0.25f, P(2.0f), P(4.0f)));
     const P variance = spread * select(spots > 1.5f, 1.0f / (spots * spots), slant);
     const vec3<P> along = flat * (sqrt(3.0f * spread) * rsqrt(max(dot(flat, flat), 1e-8f)));  // the cell's length
     vec3<P> sum(P(0.0f), P(0.0f), P(0.0f));
