@@ -1,4 +1,4 @@
-// bench/specular.cpp -- how right the environment's specular light is on real panoramas: value, slope by roughness, cost
+// bench/specular.cpp -- the environment's specular light on real panoramas: error of value and slope, and what it costs
 // SPDX-License-Identifier: Apache-2.0
 //
 //   bench_specular [panorama]... [--quick] [--markdown] [--figure FILE.svg]
@@ -16,6 +16,9 @@
 #include <atomic>
 #include <chrono>
 #include <ctime>
+#include <filesystem>
+#include <functional>
+#include <memory>
 #include <mutex>
 #include <CLI/CLI.hpp>
 #include <burnish/ad/differentiate.h>
@@ -121,9 +124,11 @@ Result measure(const std::string& name, const Image& picture, const EnvironmentL
   const LightOf<float> light(e, surfels);
   const Image& shown = sun ? picture : e.map;
   const Panorama truth(shown), coarse(detail::resampled_panorama(shown, 256));
-  const Quadrature one(truth, options.samples(), 0), two(truth, options.samples(), 1), few(truth, options.samples() / 4, 0);
+  const Quadrature one(truth, options.samples(), 0), two(truth, options.samples(), 1),
+      few(truth, options.samples() / 4, 0);
   const std::size_t n = roughnesses.size();
-  std::vector<std::vector<Pair>> a(n, std::vector<Pair>(std::size_t(count))), b = a, ours = a, theirs = a, their_truth = a;
+  std::vector<std::vector<Pair>> a(n, std::vector<Pair>(std::size_t(count))), b = a, ours = a, theirs = a,
+                                                                              their_truth = a;
   std::vector<std::vector<double>> turn(n, std::vector<double>(std::size_t(count)));
   over(count, bar, done, all, name, [&](int i) {
     const std::size_t v = std::size_t(i);
@@ -174,12 +179,15 @@ void header(const std::string& title, bool markdown) {
 }
 void row(const std::string& title, bool markdown, const Cell& cell) {
   std::printf(markdown ? "| %s |" : "  %-44s", title.c_str());
-  for (std::size_t k = 0; k < roughnesses.size(); ++k) std::printf(markdown ? " %s |" : " %7s", shortly(cell(k)).c_str());
+  for (std::size_t k = 0; k < roughnesses.size(); ++k)
+    std::printf(markdown ? " %s |" : " %7s", shortly(cell(k)).c_str());
   std::printf("\n");
 }
 void print(const Result& r, bool markdown) {
   header(r.name + ", " + (r.indoors ? "indoors" : "outdoors") + ", " +
-             (r.suns == 0 ? "no sun" : (r.sun ? "with " : "without ") + std::to_string(r.suns) + (r.suns > 1 ? " suns" : " sun")) + ": %",
+             (r.suns == 0 ? "no sun"
+                          : (r.sun ? "with " : "without ") + std::to_string(r.suns) + (r.suns > 1 ? " suns" : " sun")) +
+             ": %",
          markdown);
   row("burnish: rms", markdown, [&](std::size_t k) { return r.burnish[k].rms; });
   row("burnish: wrong sign, all", markdown, [&](std::size_t k) { return r.burnish[k].wrong; });
@@ -210,11 +218,15 @@ void summary(const std::vector<Result>& all, bool markdown) {
   for (const bool most : {false, true}) {
     header(most ? "The worst panorama of each kind: %" : "All panoramas of a kind, with and without sun: %", markdown);
     for (const bool indoors : {false, true}) {
-      if (over_kind(all, indoors, [](const Result&) { return 0.0; }, false).count == 0) continue;
+      if (over_kind(
+              all, indoors, [](const Result&) { return 0.0; }, false)
+              .count == 0)
+        continue;
       const std::string where = indoors ? "indoors" : "outdoors";
       const auto line = [&](const char* what, bool squared, auto figure) {
         row(where + ", " + what, markdown, [&](std::size_t k) {
-          const Range3 x = over_kind(all, indoors, [&](const Result& r) { return figure(r, k); }, squared);
+          const Range3 x = over_kind(
+              all, indoors, [&](const Result& r) { return figure(r, k); }, squared);
           return most ? x.most : x.middle;
         });
       };
@@ -228,9 +240,14 @@ void summary(const std::vector<Result>& all, bool markdown) {
   }
   header("By the normal: what the sky's part answers with 0", markdown);
   for (const bool indoors : {false, true}) {
-    if (over_kind(all, indoors, [](const Result&) { return 0.0; }, false).count == 0) continue;
+    if (over_kind(
+            all, indoors, [](const Result&) { return 0.0; }, false)
+            .count == 0)
+      continue;
     row(std::string(indoors ? "indoors" : "outdoors") + ": |d ln V|, rms, % a degree", markdown, [&](std::size_t k) {
-      return over_kind(all, indoors, [&](const Result& r) { return r.turned[k]; }, true).middle;
+      return over_kind(
+                 all, indoors, [&](const Result& r) { return r.turned[k]; }, true)
+          .middle;
     });
   }
 }
@@ -250,26 +267,36 @@ void judge(const std::vector<Result>& all) {
   say("rms outdoors", 2, rms[0]), say("rms indoors", 3.5, rms[1]), say("wrong sign where |d ln V/dr| > .1", 1, wrong);
 }
 void draw(const std::string& path, const std::vector<Result>& all) {
-  specular_figure::Panel error{"Error of the value, rms", true, 0.03, 300, 0, {0.1, 1, 10, 100}, {}};
+  specular_figure::Panel error{"Error of the value, rms", true, 0.03, 1000, 0, {0.1, 1, 10, 100, 1000}, {}};
   specular_figure::Panel sign{"Slope by roughness with the wrong sign", false, 0, 100, 0, {0, 20, 40, 60, 80, 100}, {}};
   for (const bool grid : {false, true}) {
     for (const bool indoors : {false, true}) {
       specular_figure::Curve rms{std::string(grid ? "8 x 16 grid" : "burnish") + (indoors ? ", indoors" : ", outdoors"),
-                                 grid ? "#d1495b" : "#1b6ca8", {}, {}, {}, indoors};
+                                 grid ? "#d1495b" : "#1b6ca8",
+                                 {},
+                                 {},
+                                 {},
+                                 indoors};
       specular_figure::Curve wrong = rms;
       for (std::size_t k = 0; k < roughnesses.size(); ++k) {
         const auto add = [&](specular_figure::Curve& to, const Range3& x) {
           to.middle.push_back(x.middle), to.least.push_back(x.least), to.most.push_back(x.most);
         };
-        add(rms, over_kind(all, indoors, [&](const Result& r) { return (grid ? r.grid : r.burnish)[k].rms; }, true));
-        add(wrong, over_kind(all, indoors, [&](const Result& r) { return (grid ? r.grid : r.burnish)[k].wrong; }, false));
-        if (over_kind(all, indoors, [](const Result&) { return 0.0; }, false).count == 0) rms.middle.clear();
+        add(rms, over_kind(
+                     all, indoors, [&](const Result& r) { return (grid ? r.grid : r.burnish)[k].rms; }, true));
+        add(wrong, over_kind(
+                       all, indoors, [&](const Result& r) { return (grid ? r.grid : r.burnish)[k].wrong; }, false));
+        if (over_kind(
+                all, indoors, [](const Result&) { return 0.0; }, false)
+                .count == 0)
+          rms.middle.clear();
       }
       if (rms.middle.empty()) continue;
       error.curves.push_back(rms), sign.curves.push_back(wrong);
     }
   }
-  specular_figure::write(path, "GGX under real panoramas, against a converged quadrature", roughnesses, {error, sign});
+  specular_figure::write(path, "GGX under real panoramas against a converged quadrature; bands: least to most of them",
+                         roughnesses, {error, sign});
 }
 
 // ---- costs ----------------------------------------------------------------------------------------------------------
@@ -297,25 +324,26 @@ void costs(const std::string& name, const EnvironmentLight& e, bool markdown) {
   const auto resolve = [&](bool slope) {
     constexpr int rounds = 200;
     return seconds([&] {
-      for (int k = 0; k < rounds; ++k) {
-        for (int i = 0; i < count; i += 16) {
-          P x[2], y[12], d[12], back[2];
-          for (int j = 0; j < 16; ++j) x[0].v[j] = float(i + j);
-          x[1] = P(0.02f + 0.0048f * float(k));
-          LightTable<12>::value(*light, x, y);
-          checksum += y[0][0];
-          if (!slope) continue;
-          for (int c = 0; c < 12; ++c) d[c] = y[c] * 2.0f;
-          LightTable<12>::back(*light, x, y, d, back, nullptr);
-          checksum += back[1][0];
-        }
-      }
-    }) / (double(rounds) * count) * 1e9;
+             for (int k = 0; k < rounds; ++k) {
+               for (int i = 0; i < count; i += 16) {
+                 P x[2], y[12], d[12], back[2];
+                 for (int j = 0; j < 16; ++j) x[0].v[j] = float(i + j);
+                 x[1] = P(0.02f + 0.0048f * float(k));
+                 LightTable<12>::value(*light, x, y);
+                 checksum += y[0][0];
+                 if (!slope) continue;
+                 for (int c = 0; c < 12; ++c) d[c] = y[c] * 2.0f;
+                 LightTable<12>::back(*light, x, y, d, back, nullptr);
+                 checksum += back[1][0];
+               }
+             }
+           }) /
+           (double(rounds) * count) * 1e9;
   };
   const double value = resolve(false), both = resolve(true);
   set_threads(before);
-  std::printf(markdown ? "\n| Cost, one thread (%s) | |\n|---|---:|\n" : "\nCost, one thread (%s)   [checksum %.3g]\n", name.c_str(),
-              double(checksum));
+  std::printf(markdown ? "\n| Cost, one thread (%s) | |\n|---|---:|\n" : "\nCost, one thread (%s)   [checksum %.3g]\n",
+              name.c_str(), double(checksum));
   const auto line = [&](const char* what, double x, const char* unit) {
     std::printf(markdown ? "| %s | %.3g %s |\n" : "  %-44s %8.3g %s\n", what, x, unit);
   };
@@ -331,7 +359,8 @@ std::vector<std::string> installed() {
   std::error_code failed;
   const std::filesystem::path root = "/usr/share/blender", tail = "datafiles/studiolights/world";
   std::vector<std::filesystem::path> folders{root / tail};
-  for (const auto& version : std::filesystem::directory_iterator(root, failed)) folders.push_back(version.path() / tail);
+  for (const auto& version : std::filesystem::directory_iterator(root, failed))
+    folders.push_back(version.path() / tail);
   for (const auto& folder : folders) {
     for (const auto& file : std::filesystem::directory_iterator(folder, failed))
       if (file.path().extension() == ".exr") found.push_back(file.path().string());
@@ -351,7 +380,8 @@ int run(Options options) {
     lights.emplace_back(pictures.back());
     all += options.views() * (lights.back().suns.empty() ? 1 : 2);
   }
-  std::printf("%d views, %d directions a technique and set, %d threads\n", options.views(), options.samples(), threads());
+  std::printf("%d views, %d directions a technique and set, %d threads\n", options.views(), options.samples(),
+              threads());
   Progress bar("panoramas");
   std::atomic<int> done = 0;
   std::vector<Result> results;
@@ -375,9 +405,10 @@ int run(Options options) {
 
 int main(int argc, char** argv) {
   Options options;
-  CLI::App app{"How right the environment's specular light is: rms error and wrong slopes by roughness on panoramas,\n"
-               "against a converged quadrature, beside an 8 x 16 grid; and what it costs.\n\n"
-               "  bench_specular --markdown --figure specular.svg /usr/share/blender/datafiles/studiolights/world/*.exr\n"};
+  CLI::App app{
+      "How right the environment's specular light is: rms error and wrong slopes by roughness on panoramas,\n"
+      "against a converged quadrature, beside an 8 x 16 grid; and what it costs.\n\n"
+      "  bench_specular --markdown --figure specular.svg /usr/share/blender/datafiles/studiolights/world/*.exr\n"};
   app.add_option("panoramas", options.panoramas, "lat-long pictures; those of blender-data if none is given");
   app.add_flag("--quick", options.quick, "60 views and a rougher reference");
   app.add_flag("--markdown", options.markdown, "tables as Markdown");

@@ -37,7 +37,8 @@ inline std::string draw(const Panel& p, const std::vector<double>& roughness, do
   };
   const auto up = [&](double v) {
     const double c = std::min(std::max(v, p.low), p.high);
-    return y + h - h * (p.logarithmic ? std::log(c / p.low) / std::log(p.high / p.low) : (c - p.low) / (p.high - p.low));
+    return y + h -
+           h * (p.logarithmic ? std::log(c / p.low) / std::log(p.high / p.low) : (c - p.low) / (p.high - p.low));
   };
   const auto text = [&](double at_x, double at_y, const char* anchor, const std::string& what, const char* more = "") {
     out << "<text x='" << number(at_x) << "' y='" << number(at_y) << "' text-anchor='" << anchor << "' " << more << ">"
@@ -62,7 +63,8 @@ inline std::string draw(const Panel& p, const std::vector<double>& roughness, do
     const std::size_t n = roughness.size();
     out << "<path fill='" << c.color << "' fill-opacity='0.13' d='M";
     for (std::size_t i = 0; i < n; ++i) out << number(across(roughness[i])) << " " << number(up(c.most[i])) << " L";
-    for (std::size_t i = n; i-- > 0;) out << number(across(roughness[i])) << " " << number(up(c.least[i])) << (i ? " L" : " Z'/>\n");
+    for (std::size_t i = n; i-- > 0;)
+      out << number(across(roughness[i])) << " " << number(up(c.least[i])) << (i ? " L" : " Z'/>\n");
     out << "<polyline fill='none' stroke='" << c.color << "' stroke-width='2.2'"
         << (c.dashed ? " stroke-dasharray='7 4'" : "") << " points='";
     for (std::size_t i = 0; i < n; ++i) out << number(across(roughness[i])) << "," << number(up(c.middle[i])) << " ";
@@ -81,8 +83,8 @@ inline void write(const std::string& path, const std::string& title, const std::
   constexpr double w = 380, h = 290, left = 74, top = 86, gap = 96;
   const double width = left + double(panels.size()) * w + double(panels.size() - 1) * gap + 30, height = top + h + 104;
   std::ostringstream out;
-  out << "<svg xmlns='http://www.w3.org/2000/svg' width='" << width << "' height='" << height << "' viewBox='0 0 " << width
-      << " " << height << "' font-family='Helvetica, Arial, sans-serif' font-size='12' fill='#444'>\n"
+  out << "<svg xmlns='http://www.w3.org/2000/svg' width='" << width << "' height='" << height << "' viewBox='0 0 "
+      << width << " " << height << "' font-family='Helvetica, Arial, sans-serif' font-size='12' fill='#444'>\n"
       << "<rect width='100%' height='100%' fill='white'/>\n<text x='" << left
       << "' y='34' font-size='18' font-weight='600' fill='#222'>" << title << "</text>\n";
   for (std::size_t i = 0; i < panels.size(); ++i)

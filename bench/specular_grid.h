@@ -3,14 +3,14 @@
 //
 // The rendering layer of InvRenderNet (Li et al. 2020), its formulas and clamps as published, specular part: directions
 // at azimuth (i + .5) / 16 2 pi and elevation (j + .5) / 8 pi / 2 from the normal, each weighed by sin(elevation)
-// pi^2 / 128; k = (r + 1)^2 / 8; the denominator 4 pi nom0^2 nom1 nom2 is clamped to 1e-6 .. 4 pi, where its slope is 0.
+// pi^2 / 128; k = (r + 1)^2 / 8; the denominator 4 pi nom0^2 nom1 nom2 is clamped to 1e-6 .. 4 pi, its slope then 0.
 // F0 is .04 here. A direction's radiance is the panorama's mean over its cell, the best that a grid can know of it.
 #pragma once
 #include "specular_reference.h"
 
 namespace specular_grid {
-using specular_reference::Pair, specular_reference::View, specular_reference::f0, specular_reference::pi;
 using burnish::vec3;
+using specular_reference::Pair, specular_reference::View, specular_reference::f0, specular_reference::pi;
 constexpr int columns = 16, rows = 8;
 
 struct Directions {

@@ -22,8 +22,7 @@ struct Pair {
   double value = 0, slope = 0;  // slope by perceptual roughness
 };
 
-/// Luminance of a lat-long picture, bilinear, +Y up, the middle column to +Z ... as light/environment.h has it: u = 0
-/// looks to -Z, u = 1/4 to +X.
+/// Luminance of a lat-long picture, bilinear; +Y up, u = 0 looks to -Z, u = 1/4 to +X.
 struct Panorama {
   int width, height;
   std::vector<double> luminance, density, cumulative;  // density: of a sample, per texel, not yet normalised
@@ -75,15 +74,15 @@ struct Panorama {
   }
 };
 
-/// A view: surface normal and direction to the viewer, unit, and the frame with z the normal, the view in the x-z plane.
+/// A view: surface normal and direction to the viewer, unit; in the frame x y n the view lies in the x-n plane.
 struct View {
   vec3<double> n, v, x, y;
   double nv, sv;
   View(const vec3<double>& normal, const vec3<double>& view) : n(normalize(normal)), v(normalize(view)) {
     nv = dot(n, v);
     const vec3<double> side = v - n * nv;
-    x = normalize(dot(side, side) > 1e-12 ? side : cross(n, std::abs(n.x) < 0.6 ? vec3<double>(1, 0, 0)
-                                                                                 : vec3<double>(0, 1, 0)));
+    x = normalize(
+        dot(side, side) > 1e-12 ? side : cross(n, std::abs(n.x) < 0.6 ? vec3<double>(1, 0, 0) : vec3<double>(0, 1, 0)));
     y = cross(n, x), sv = std::sqrt(std::max(0.0, 1 - nv * nv));
   }
   vec3<double> world(double a, double b, double c) const { return x * a + y * b + n * c; }
@@ -106,7 +105,10 @@ inline std::vector<View> views(int count) {
 template <class T> struct Ggx {
   double r, a2, nv, sv, change_v;
   Ggx(double roughness, double cosine)
-      : r(roughness), a2(r * r * r * r), nv(cosine), sv(std::sqrt(a2 + (1 - a2) * nv * nv)),
+      : r(roughness),
+        a2(r * r * r * r),
+        nv(cosine),
+        sv(std::sqrt(a2 + (1 - a2) * nv * nv)),
         change_v((1 - nv * nv) / (2 * sv)) {}
   /// value: D V F nl; slope: by roughness; t2: tan^2 of the half vector's angle, hz its cosine.
   void operator()(T nl, T vh, T hz, T t2, T* density, T* value, T* slope) const {
@@ -122,7 +124,11 @@ template <class T> struct Ggx {
 template <class T> struct Published {
   double r, a2, nv, k, gv, log_slope_v;
   Published(double roughness, double cosine)
-      : r(roughness), a2(r * r * r * r), nv(cosine), k((r + 1) * (r + 1) / 8), gv(1 / (nv * (1 - k) + k)),
+      : r(roughness),
+        a2(r * r * r * r),
+        nv(cosine),
+        k((r + 1) * (r + 1) / 8),
+        gv(1 / (nv * (1 - k) + k)),
         log_slope_v(-(1 - nv) * gv * (r + 1) / 4) {}
   void operator()(T nl, T vh, T hz, T t2, T* density, T* value, T* slope) const {
     const T q = 1 / (a2 + t2), z2 = hz * hz, d = a2 / pi * q * q / (z2 * z2), gl = 1 / (nl * (1 - k) + k);
@@ -140,8 +146,9 @@ public:
     shift = {0.13 + 0.37 * set, 0.71 + 0.21 * set};
     for (auto* v : {&x, &y, &z, &radiance, &probability}) v->resize(count);
     for (int i = 0; i < count; ++i) {
-      const vec2<double> at = p.sample((i + std::fmod(shift.x, 1.0)) / count, std::fmod(i * 0.7548776662466927 + shift.y, 1.0),
-                                       std::fmod(i * 0.5698402909980532 + shift.x, 1.0));
+      const vec2<double> at =
+          p.sample((i + std::fmod(shift.x, 1.0)) / count, std::fmod(i * 0.7548776662466927 + shift.y, 1.0),
+                   std::fmod(i * 0.5698402909980532 + shift.x, 1.0));
       const vec3<double> d = Panorama::direction(at);
       x[i] = d.x, y[i] = d.y, z[i] = d.z, radiance[i] = p.bilinear(p.luminance, at), probability[i] = p.probability(at);
     }
@@ -170,8 +177,7 @@ public:
                    t2 = a2 * u / (1 - u), hz = 1 / std::sqrt(1 + t2), s = std::sqrt(t2) * hz, hx = s * std::cos(angle),
                    vh = hx * view.sv + hz * view.nv, nl = 2 * vh * hz - view.nv;
       if (vh <= 0 || nl <= 1e-9) continue;
-      const vec2<double> at =
-          Panorama::place(view.world(2 * vh * hx - view.sv, 2 * vh * s * std::sin(angle), nl));
+      const vec2<double> at = Panorama::place(view.world(2 * vh * hx - view.sv, 2 * vh * s * std::sin(angle), nl));
       double d, f, df;
       one(nl, vh, hz, t2, &d, &f, &df);
       const double weight = light.bilinear(light.luminance, at) / (light.probability(at) + d * hz / (4 * vh));

@@ -54,6 +54,7 @@
 #include <burnish/light/lamps.h>
 #include <burnish/light/pyramid.h>
 #include <burnish/light/rings.h>
+#include <burnish/light/samples.h>
 #include <burnish/light/sky.h>
 #include <burnish/light/sun.h>
 #include <burnish/light/transport.h>

@@ -12,24 +12,28 @@ using specular_reference::Pair;
 /// Blue above, bright haze along the horizon and about a sun of 0.01 rad, grey ground.
 inline Image sky_with_sun() {
   const vec3<double> sun = normalize(vec3<double>(0.4, 0.7, -0.5));
-  return reference::panorama([&](const vec3<double>& d) {
-    const double from_sun = std::acos(std::min(1.0, dot(d, sun)));
-    const double sky = d.y > 0 ? 0.6 + 1.4 * std::exp(-6 * d.y) + 3 * std::exp(-8 * from_sun) : 0.25 + 0.1 * d.x;
-    return sky + (from_sun < 0.01 ? 2e4 : 0.0);
-  }, 128);
+  return reference::panorama(
+      [&](const vec3<double>& d) {
+        const double from_sun = std::acos(std::min(1.0, dot(d, sun)));
+        const double sky = d.y > 0 ? 0.6 + 1.4 * std::exp(-6 * d.y) + 3 * std::exp(-8 * from_sun) : 0.25 + 0.1 * d.x;
+        return sky + (from_sun < 0.01 ? 2e4 : 0.0);
+      },
+      128);
 }
 /// Grey walls and a darker floor; two windows, two lines of small lamps in the ceiling.
 inline Image room() {
-  return reference::panorama([](const vec3<double>& d) {
-    const double azimuth = std::atan2(d.x, -d.z), elevation = std::asin(d.y);
-    if (std::abs(elevation - 0.2) < 0.25 && std::abs(azimuth - 0.8) < 0.45) return 12.0;
-    if (std::abs(elevation - 0.1) < 0.3 && std::abs(azimuth + 1.9) < 0.15) return 20.0;
-    if (d.y > 0.3) {
-      const double x = d.x / d.y, z = d.z / d.y, nearest = std::round(z / 0.7) * 0.7;
-      if (std::abs(std::abs(x) - 0.6) < 0.06 && std::abs(z - nearest) < 0.12) return 40.0;
-    }
-    return d.y < -0.3 ? 0.15 : 0.35 + 0.2 * d.y + 0.1 * d.z;
-  }, 128);
+  return reference::panorama(
+      [](const vec3<double>& d) {
+        const double azimuth = std::atan2(d.x, -d.z), elevation = std::asin(d.y);
+        if (std::abs(elevation - 0.2) < 0.25 && std::abs(azimuth - 0.8) < 0.45) return 12.0;
+        if (std::abs(elevation - 0.1) < 0.3 && std::abs(azimuth + 1.9) < 0.15) return 20.0;
+        if (d.y > 0.3) {
+          const double x = d.x / d.y, z = d.z / d.y, nearest = std::round(z / 0.7) * 0.7;
+          if (std::abs(std::abs(x) - 0.6) < 0.06 && std::abs(z - nearest) < 0.12) return 40.0;
+        }
+        return d.y < -0.3 ? 0.15 : 0.35 + 0.2 * d.y + 0.1 * d.z;
+      },
+      128);
 }
 
 inline constexpr double roughnesses[5] = {0.02, 0.1, 0.3, 0.6, 1};

@@ -49,8 +49,8 @@ TEST_CASE("Rings: the slopes of the weights are those that differences find", "[
 }
 
 TEST_CASE("Rings: they integrate the logarithm of tan theta as the closed form does", "[light][value]") {
-  // int 2 y ln(x) / (1 + y)^2 dx / x with y = x^2 / alpha^2 over x > 0 is ln alpha. Only the ends are an error: what lies
-  // within the first ring has no logarithm here, and beyond the last is nothing.
+  // int 2 y ln(x) / (1 + y)^2 dx / x with y = x^2 / alpha^2 over x > 0 is ln alpha. Only the ends are an error: what
+  // lies within the first ring has no logarithm here, and beyond the last is nothing.
   const Rings rings;
   std::vector<double> w(rings.rings()), dw(rings.rings());
   double worst = 0;

@@ -24,12 +24,15 @@ TEST_CASE("Illumination: between windows and lamps it is the quadrature to 3.5 %
           "[light][value]") {
   const places::Errors e = of(places::room());
   record::claim("Illumination, windows and lamps", "value", "quadrature in double, rms", 0.035, e.rms, e.points);
-  record::claim("Illumination, windows and lamps", "sign of the slope by roughness", "quadrature in double, share", 0.01,
-                e.wrong, e.points);
+  record::claim("Illumination, windows and lamps", "sign of the slope by roughness", "quadrature in double, share",
+                0.01, e.wrong, e.points);
 }
-TEST_CASE("Lamps: with the rest of the map they are its light, the rest nowhere above the threshold", "[light][energy]") {
+TEST_CASE("Lamps: with the rest of the map they are its light, the rest nowhere above the threshold",
+          "[light][energy]") {
   const EnvironmentLight e(
-      reference::panorama([](const vec3<double>& d) { return d.x > 0.9 ? 12.0 : d.z > 0.95 ? 3.0 : 0.3; }, 128), 0.7f,
+      reference::panorama([](const vec3<double>& d) { return d.x > 0.9    ? 12.0
+                                                             : d.z > 0.95 ? 3.0
+                                                                          : 0.3; }, 128), 0.7f,
       false);
   const Lamps lamps(e);
   vec3<double> sum = lamps.rest.energy();

@@ -96,8 +96,8 @@ TEST_CASE("Visibility: a wall and a ball before windows and lamps are the quadra
   const Illumination whole(e, s), light(e, s, [&](int, auto d, auto out) {
     for (std::size_t k = 0; k < out.size(); ++k) out[k] = hidden(vec3<double>(d[k]));
   });
-  const places::Errors error =
-      places::errors(light, {}, s, open, [&](int i, double r, double) { return places::seen(whole, {}, s, i, r).value; });
+  const auto unhidden = [&](int i, double r, double) { return places::seen(whole, {}, s, i, r).value; };
+  const places::Errors error = places::errors(light, {}, s, open, unhidden);
   record::claim("Illumination, a wall and a ball in the way", "value", "quadrature in double, rms", 0.035, error.rms,
                 error.points);
   record::claim("Illumination, a wall and a ball in the way", "sign of the slope by roughness",

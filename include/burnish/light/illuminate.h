@@ -177,8 +177,9 @@ private:
   };
 
   /// Which directions of a block are open, a bit a lane; and the part of each sun that is.
-  std::vector<std::uint16_t> look(const Transport& transport, const Surroundings& sky, const Transport::Block& block, int b,
-                                  const std::vector<Sun<float>>& suns, const Blocked& blocked, float* sun) const {
+  std::vector<std::uint16_t> look(const Transport& transport, const Surroundings& sky, const Transport::Block& block,
+                                  int b, const std::vector<Sun<float>>& suns, const Blocked& blocked,
+                                  float* sun) const {
     std::vector<std::uint16_t> open(transport.directions(sky), 0xffff);
     std::vector<vec3<P>> directions(open.size());
     std::vector<unsigned> used(open.size());

@@ -38,7 +38,8 @@ struct Lamps {
     };
     std::vector<Cell> cells(std::size_t(rows) * 2 * rows);  // fewer a row towards the poles
     for (int y = 0; y < h; ++y) {
-      const int row = y * rows / h, columns = std::max(3, int(2 * rows * std::sin((row + 0.5) / rows * 3.141592653589793)));
+      const int row = y * rows / h;
+      const int columns = std::max(3, int(2 * rows * std::sin((row + 0.5) / rows * 3.141592653589793)));
       for (int x = 0; x < w; ++x) {
         const vec3<float> color = rest.map.at(x, y);
         const double l = luminance(color);

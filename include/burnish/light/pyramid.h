@@ -1,10 +1,10 @@
 // burnish/light/pyramid.h -- a lat-long map blurred on the sphere, to be looked up at any direction and any width
 // SPDX-License-Identifier: Apache-2.0
 //
-// Level 0 is the map; level j >= 1 is the map convolved with (4 G(s) - G(2 s)) / 3, G(s) a spherical Gaussian of standard
-// deviation s = 2^(j-1) texels of the map, held at half the size of the level before from j = 2 on. That kernel has no
-// second moment: a sum of such samples follows a lobe that bends within their width, and takes up no less of a small
-// light than a Gaussian's would. Blurring on the sphere has no poles and no seam.
+// Level 0 is the map; level j >= 1 is the map convolved with (4 G(s) - G(2 s)) / 3, G(s) a spherical Gaussian of
+// standard deviation s = 2^(j-1) texels of the map, held at half the size of the level before from j = 2 on. That
+// kernel has no second moment: wide as its samples are, their sum still follows a lobe that bends within their width.
+// Blurring on the sphere has no poles and no seam.
 #pragma once
 #include <array>
 #include <burnish/ad/parallel.h>
@@ -37,9 +37,9 @@ public:
     store(level);
   }
 
-  /// Radiance from a unit world direction, averaged over the kernel above with s^2 = variance (rad^2 per axis), linear in
-  /// the variance between levels; the last level is a plain Gaussian. At variance 0 it is the bilinear map. Beside a
-  /// bright light it may be negative.
+  /// Radiance from a world direction of any length, averaged over the kernel above with s^2 = variance (rad^2 per
+  /// axis), linear in the variance between levels; the last level is a plain Gaussian. At variance 0 it is the bilinear
+  /// map. Beside a bright light it may be negative.
   vec3<float> fetch(const vec3<float>& d, float variance) const {
     float x[16] = {d.x}, y[16] = {d.y}, z[16] = {d.z}, s[16] = {variance}, r[16], g[16], b[16];
     const unsigned only = 1;

@@ -1,43 +1,25 @@
 // burnish/light/transport.h -- what reaches sixteen surfels, integrated against their lobes at many roughnesses at once
 // SPDX-License-Identifier: Apache-2.0
 //
-// A lane is a surfel: all sixteen walk through the same half vectors in step, so nothing is added up across lanes. Near
-// a lobe's middle the rings look up the whole map; far from it, where they are wide, the dim rest of it, and the lamps
-// (light/lamps.h) come in one by one. In between both fade, by tan(theta_h): .05 to .25.
+// A lane is a surfel, so nothing is added up across lanes.
 #pragma once
-#include <cstdint>
 #include <span>
-#include <burnish/ad/packet.h>
 #include <burnish/light/irradiance.h>
-#include <burnish/light/lamps.h>
-#include <burnish/light/pyramid.h>
-#include <burnish/light/rings.h>
+#include <burnish/light/samples.h>
 
 namespace burnish {
-
-/// What shines, without its suns, prepared to be looked up.
-struct Surroundings {
-  Pyramid whole, rest;
-  std::vector<Lamp> lamps;
-  explicit Surroundings(const EnvironmentLight& e) : Surroundings(e, Lamps(e)) {}
-
-private:
-  Surroundings(const EnvironmentLight& e, Lamps l) : whole(e), rest(l.rest), lamps(std::move(l.all)) {}
-};
 
 /// The integrals over directions l of L D V nl times 1 - x(vh), x(vh), x(nl) (1 - x(vh)) and x(nl) x(vh), L the
 /// radiance, x(c) = (1 - c)^5, V the height-correlated Smith visibility; each in RGB: twelve numbers a roughness, and
 /// their slopes. And what blocked directions take from the irradiances.
-class Transport {
+class Transport : public Samples {
 public:
-  using P = Packet<float, 16>;
   static constexpr int channels = 12, irradiances = IrradianceMap::channels;
 
   /// d_alpha2[k]: the slope of alpha^2 = roughness[k]^4 by whatever variable the slopes are wanted in.
   Transport(std::span<const double> roughness, std::span<const double> d_alpha2, Rings::Size size = Rings::Size::medium)
-      : rings(size), knots(int(roughness.size())) {
+      : Samples(size), knots(int(roughness.size())) {
     const int n = rings.rings();
-    for (const float z : rings.half_z) far.push_back(far_share(1 / (z * z) - 1));
     std::vector<double> w(n), dw(n);
     for (int k = 0; k < knots; ++k) {
       const double a2 = roughness[k] * roughness[k] * roughness[k] * roughness[k];
@@ -48,60 +30,6 @@ public:
       d_weight.insert(d_weight.end(), dw.begin(), dw.end());
     }
     if (size != Rings::Size::dense) normalize_by(Transport(roughness, d_alpha2, Rings::Size::dense));
-    // The hemisphere: Gauss rings in the cosine, so that a constant sky is exact for every k; even azimuths on each.
-    for (int i = 0; i < hemisphere_rings; ++i) {
-      const double c = 0.5 * (1 + gauss_node(i)), width = 0.5 * gauss_weight(i), sine = std::sqrt(1 - c * c);
-      const int azimuths = std::max(6, int(hemisphere_azimuths * sine + 0.5));
-      const double cell = width * 6.283185307179586 / azimuths, f = (1 - c) * (1 - c) * (1 - c) * (1 - c) * (1 - c);
-      for (int a = 0; a < azimuths; ++a) {
-        const double angle = 6.283185307179586 * (a + (i % 2 ? 0.5 : 0)) / azimuths;
-        hemisphere.push_back({float(sine * std::cos(angle)),
-                              float(sine * std::sin(angle)),
-                              float(c),
-                              float(1.0 / 3 * cell),
-                              {float(cell * c), float(cell * c * f), float(cell * c * f * f)}});
-      }
-    }
-  }
-
-  /// What is kept of sixteen surfels between the steps.
-  struct Block {
-    vec3<P> normal, view, side, up;  // side: in the plane, towards the view; up = cross(normal, side)
-    P nv, sv;                        // cosine and sine of the view
-    explicit Block(const vec3<P>& n, const vec3<P>& v) : normal(n), view(v), nv(max(dot(n, v), 1e-4f)) {
-      const vec3<P> t = v - n * dot(n, v), other = select(abs(n.x) < 0.6f, P(1.0f), P(0.0f)) * vec3<P>(1, 0, 0) +
-                                                   select(abs(n.x) < 0.6f, P(0.0f), P(1.0f)) * vec3<P>(0, 1, 0);
-      const vec3<P> o = other - n * dot(n, other);
-      const P length2 = dot(t, t);
-      const auto flat = length2 < 1e-10f;
-      side = vec3<P>(select(flat, o.x, t.x), select(flat, o.y, t.y), select(flat, o.z, t.z));
-      side = side * rsqrt(dot(side, side));
-      up = cross(n, side);
-      sv = sqrt(max(1.0f - nv * nv, 0.0f));
-    }
-  };
-
-  /// Directions looked at: those of the rings, of the hemisphere, and of the lamps.
-  int directions(const Surroundings& sky) const { return first_lamp() + int(sky.lamps.size()); }
-  /// Direction i of every lane, world, and where it matters (above the horizon).
-  vec3<P> direction(const Surroundings& sky, const Block& b, int i, unsigned* used) const {
-    if (i >= first_lamp()) {
-      const vec3<P> d(sky.lamps[i - first_lamp()].direction);
-      const P nl = dot(d, b.normal);
-      *used = 0;
-      for (int k = 0; k < 16; ++k) *used |= unsigned(nl[k] > 1e-7f) << k;
-      return d;
-    }
-    if (i >= rings.directions()) {
-      const Sample& s = hemisphere[i - rings.directions()];
-      *used = 0xffff;
-      return b.side * P(s.x) + b.up * P(s.y) + b.normal * P(s.z);
-    }
-    const P hx = rings.half_x[i], hy = rings.half_y[i], hz = rings.half_z[i], vh = hx * b.sv + hz * b.nv;
-    const P x = 2.0f * vh * hx - b.sv, y = 2.0f * vh * hy, z = 2.0f * vh * hz - b.nv;
-    *used = 0;
-    for (int k = 0; k < 16; ++k) *used |= unsigned(vh[k] > 0 && z[k] > 1e-7f) << k;
-    return b.side * x + b.up * y + b.normal * z;
   }
 
   /// table: knots x channels x {value, slope} x 16. open[i]: bit k is set where direction i of lane k sees the
@@ -144,8 +72,8 @@ public:
     if (std::all_of(open + n, open + first_lamp(), whole)) return;
     P seen[irradiances] = {}, all[irradiances] = {};
     for (int i = 0; i < int(hemisphere.size()); ++i) {
-      const Sample& s = hemisphere[i];
-      const vec3<P> without = radiance(sky, true, b, n + i, s.spread, 1.0f, nullptr, occluded);
+      const Even& s = hemisphere[i];
+      const vec3<P> without = of_hemisphere(sky, b, i);
       P l[3] = {without.x, without.y, without.z};
       for (int k = 0; k < 3; ++k) {
         for (int c = 0; c < 3; ++c) all[3 * k + c] += l[c] * s.weight[k];
@@ -164,63 +92,10 @@ public:
 
 private:
   static constexpr int batch = 16;
-  struct Sample {
-    float x, y, z, spread, weight[3];
-  };
-  Rings rings;
   int knots;
-  std::vector<float> alpha2, slope, weight, d_weight, far;
+  std::vector<float> alpha2, slope, weight, d_weight;
   std::vector<float> albedo_ratio;  // [knot][weight][value, slope][cosine]
-  std::vector<Sample> hemisphere;
 
-  static constexpr int hemisphere_rings = 8;
-  static constexpr double hemisphere_azimuths = 24;
-  static constexpr double gauss_node(int i) {  // Gauss-Legendre, 8 nodes
-    constexpr double x[4] = {0.1834346424956498, 0.5255324099163290, 0.7966664774136267, 0.9602898564975363};
-    return i < 4 ? -x[3 - i] : x[i - 4];
-  }
-  static constexpr double gauss_weight(int i) {
-    constexpr double w[4] = {0.3626837833783620, 0.3137066458778873, 0.2223810344533745, 0.1012285362903763};
-    return i < 4 ? w[3 - i] : w[i - 4];
-  }
-
-  int first_lamp() const { return rings.directions() + int(hemisphere.size()); }
-  /// What part of a light at half vectors of that tan^2 comes as lamps. Smooth and slow: the rings must resolve it.
-  template <class T> static T far_share(T tangent2) {
-    constexpr float begin = -2.9957323f, width = 1.6094379f;  // ln .05, ln (.25 / .05)
-    return smoothstep(T(begin), T(begin + width), 0.5f * log(max(tangent2, 1e-12f)));
-  }
-  /// Of sample i, averaged over its cell: `spread` is the variance of the cell's filter if it is round. slant: dot(v, h),
-  /// for the cell of a half vector that v meets at a slant is so much narrower than it is long, along the plane of v and
-  /// l. It is seen as one round spot of the same area, but on the whole map as 1, 2 or 4 in a row if it is wider than .6
-  /// degrees.
-  vec3<P> radiance(const Surroundings& sky, bool whole, const Block& b, int i, P spread, P slant,
-                   const std::uint16_t* open, const vec3<float>& occluded) const {
-    unsigned used;
-    const vec3<P> d = direction(sky, b, i, &used), flat = b.view - d * dot(b.view, d);
-    const unsigned seen = open ? used & open[i] : used;
-    const bool round = !whole || spread[0] < 1e-4f;
-    const P spots = round ? P(1.0f) : select(slant > 0.5f, P(1.0f), select(slant > 0.25f, P(2.0f), P(4.0f)));
-    const P variance = spread * select(spots > 1.5f, 1.0f / (spots * spots), slant);
-    const vec3<P> along = flat * (sqrt(3.0f * spread) * rsqrt(max(dot(flat, flat), 1e-8f)));  // the cell's length
-    vec3<P> sum(P(0.0f), P(0.0f), P(0.0f));
-    for (int spot = 0; spot < 4; ++spot) {
-      unsigned wanted = 0;
-      for (int k = 0; k < 16; ++k) wanted |= unsigned(float(spot) < spots[k]) << k;
-      if ((wanted &= seen) == 0) break;
-      const vec3<P> q = d + along * ((float(spot) + 0.5f) / spots - 0.5f);
-      alignas(64) float r[16], g[16], c[16];
-      (whole ? sky.whole : sky.rest).fetch(q.x, q.y, q.z, variance, wanted, r, g, c);
-      sum += vec3<P>(P::load(r), P::load(g), P::load(c));
-    }
-    sum = sum * (1.0f / spots);
-    if (const unsigned hidden = used & ~seen) {
-      for (int k = 0; k < 16; ++k) {
-        if (hidden >> k & 1) sum.x.v[k] = occluded.x, sum.y.v[k] = occluded.y, sum.z.v[k] = occluded.z;
-      }
-    }
-    return sum;
-  }
   /// Under an even sky the rings' sums depend on nv alone: for 64 of it and every knot, what they are short of (or
   /// above) the same sums on dense rings, as a factor for each of the four weights, with its slope. Exact then, and
   /// closer otherwise.
@@ -278,10 +153,7 @@ private:
                P* part, P& nl) const {
     const float hz = rings.half_z[i];
     const P vh = min(max(rings.half_x[i] * b.sv + hz * b.nv, 0.0f), 1.0f), z = 2.0f * vh * hz - b.nv;
-    const auto of = [&](bool whole) {
-      return radiance(sky, whole, b, i, rings.spread[i], vh, open, occluded);  // 0 below the horizon
-    };
-    const vec3<P> light = far[i] == 0 ? of(true) : far[i] == 1 ? of(false) : mix(of(true), of(false), P(far[i]));
+    const vec3<P> light = of_ring(sky, b, i, vh, open, occluded);
     nl = min(max(z, 1e-7f), 1.0f);
     spread(light, rings.share[i] * 4.0f / hz * vh * nl, vh, nl, part);
   }
