@@ -71,27 +71,27 @@ inline Pair seen(const Illumination& light, const std::vector<burnish::Sun<float
           light.table_slope(double(i), r, 12, d) + (of_suns(r + h) - of_suns(r - h)) / (2 * h)};
 }
 struct Errors {
-  double rms = 0;    // the largest of the five roughnesses': relative, or as a part of `scale`
+  double rms = 0;    // the largest of the five roughnesses'
   double wrong = 0;  // share of slopes with the wrong sign where |d ln V/dr| > .1
   long points = 0;
 };
-/// Against the quadrature of `truth`. scale(i, r): what an error of view i is a part of; none: of the truth.
+/// Of surfels first to last - 1 against the quadrature of `truth`. scale(i, r, truth): what an error is a part of.
 template <class Scale> Errors errors(const Illumination& light, const std::vector<burnish::Sun<float>>& suns,
-                                     const Surfels& s, const Image& truth, Scale scale) {
+                                     const Surfels& s, int first, int last, const Image& truth, Scale scale) {
   const specular_reference::Panorama panorama(truth);
   const specular_reference::Quadrature exact(panorama, 1 << 11, 0);
-  Errors e;
+  double worst = 0;
   int steep = 0, wrong = 0;
   for (const double r : roughnesses) {
     double sum = 0;
-    for (int i = 0; i < s.size(); ++i) {
+    for (int i = first; i < last; ++i) {
       const Pair t = exact.integral<specular_reference::Ggx>(s.all[i], r), found = seen(light, suns, s, i, r);
-      sum += std::pow((found.value - t.value) / scale(i, r, t.value), 2) / s.size();
+      sum += std::pow((found.value - t.value) / scale(i, r, t.value), 2) / (last - first);
       if (std::abs(t.slope) <= 0.1 * t.value) continue;
       ++steep, wrong += found.slope * t.slope <= 0;
     }
-    e.rms = std::max(e.rms, std::sqrt(sum));
+    worst = std::max(worst, std::sqrt(sum));
   }
-  return {e.rms, double(wrong) / steep, 5L * s.size()};
+  return {worst, double(wrong) / steep, 5L * (last - first)};
 }
 }  // namespace places

@@ -2,8 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <mutex>
 #include <burnish_test.h>
+#include <burnish/light/illuminate.h>
 #include <record.h>
-#include "places.h"
+#include "reference.h"
 using namespace burnish;
 using reference::Surfels;
 
@@ -78,30 +79,6 @@ TEST_CASE("Visibility: half of the world blocked is the quadrature over the othe
   record::claim("Illumination, half the world blocked", "irradiance x(nl)^2", against, 0.04, worst[2], s.size());
   record::claim("Illumination, half the world blocked", "value, worst", against, 0.05, specular, 3L * s.size());
   record::claim("Illumination, half the world blocked", "value, rms", against, 0.02, std::sqrt(rms), 3L * s.size());
-}
-
-TEST_CASE("Visibility: a wall and a ball before windows and lamps are the quadrature without what they hide",
-          "[light][value]") {
-  // A direction is open or not, and stands for its cell: the error is a part of what is seen with nothing in the way.
-  const vec3<double> wall = normalize(vec3<double>(0.6, -0.3, 0.5)), ball = normalize(vec3<double>(0.5, 0.5, -0.6));
-  const auto hidden = [&](const vec3<double>& d) { return dot(d, wall) > 0.4 || dot(d, ball) > 0.9; };
-  const Image room = places::room();
-  Image open = room;
-  for (int y = 0; y < open.height; ++y) {
-    for (int x = 0; x < open.width; ++x)
-      if (hidden(latlong_direction((x + 0.5) / open.width, (y + 0.5) / open.height))) open.set(x, y, vec3<float>(0));
-  }
-  const EnvironmentLight e(room, 0, false);
-  const places::Surfels s{specular_reference::views(40)};
-  const Illumination whole(e, s), light(e, s, [&](int, auto d, auto out) {
-    for (std::size_t k = 0; k < out.size(); ++k) out[k] = hidden(vec3<double>(d[k]));
-  });
-  const auto unhidden = [&](int i, double r, double) { return places::seen(whole, {}, s, i, r).value; };
-  const places::Errors error = places::errors(light, {}, s, open, unhidden);
-  record::claim("Illumination, a wall and a ball in the way", "value", "quadrature in double, rms", 0.035, error.rms,
-                error.points);
-  record::claim("Illumination, a wall and a ball in the way", "sign of the slope by roughness",
-                "quadrature in double, share", 0.01, error.wrong, error.points);
 }
 
 TEST_CASE("Visibility: a sun half covered shines with half its strength, and each by its own", "[light][value]") {
