@@ -177,7 +177,8 @@ void header(const std::string& title, bool markdown) {
   }
   std::printf("\n");
 }
-void row(const std::string& title, bool markdown, const Cell& cell) {
+void row(std::string title, bool markdown, const Cell& cell) {
+  for (std::size_t at = 0; markdown && (at = title.find('|', at)) != std::string::npos; at += 2) title.insert(at, "\\");
   std::printf(markdown ? "| %s |" : "  %-44s", title.c_str());
   for (std::size_t k = 0; k < roughnesses.size(); ++k)
     std::printf(markdown ? " %s |" : " %7s", shortly(cell(k)).c_str());

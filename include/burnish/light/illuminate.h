@@ -6,6 +6,10 @@
 // slope belong to one smooth function. 1.2 kB a surfel. Colours, weights and indices come in afterwards, exactly
 // (shade/brdf.h, Moments).
 //
+// Against a converged quadrature, on eight real panoramas, each at eight roughnesses from .02 to 1 (bench_specular): the
+// value's error is at most 1.4 % rms outdoors and 1.8 % indoors, and at most .5 % of the slopes have the wrong sign where
+// |d ln V / dr| > .1. Where something is in the way a direction is open or not: 2.5 % of what is seen without it.
+//
 //   const EnvironmentLight sky(panorama, yaw);
 //   const LightOf<float> light(sky, gbuffer, [&](int i, auto directions, auto out) { ... out[k] = 1 where blocked ...
 //   }); illuminate(surface, gbuffer.at(i), light, List<Sun, float>{sky.suns}, LightStrength<float>{});
@@ -281,7 +285,9 @@ template <class T> constexpr vec3<T> sunlit(const Layers<T>& s, const vec3<same<
 
 /// Reflected radiance towards the viewer, linear RGB: sky and suns, coat and base. at: a Surfel (normal, tangent, view,
 /// index) of the G-buffer that the light was gathered for. The sky sees the surfel's own normal; only the suns see the
-/// surface's geometry normals, and base_diffuse_roughness.
+/// surface's geometry normals, and base_diffuse_roughness. So the sky's slope by a normal is 0, and that is all of its
+/// error: a degree of turn truly changes a mirroring dielectric by 50 % at roughness .05, 23 % at .1, 9 to 11 % at .2,
+/// 3 to 4 % at .5 and 1.8 % at 1 (rms over views and panoramas, measured by bench_specular).
 template <class T, class At> constexpr vec3<T> illuminate(const Surface<T>& s, const At& at, const LightOf<T>& light,
                                                           const List<Sun, T>& suns, const LightStrength<T>& strength) {
   const Layers<T> a = layers(s);
