@@ -26,7 +26,8 @@ inline vec3<float> sun_ray(const Sun<float>& s, int i, int count) {
   const vec3<float>& d = s.direction;
   const vec3<float> x = normalize(cross(std::abs(d.y) < 0.9f ? vec3<float>(0, 1, 0) : vec3<float>(1, 0, 0), d)),
                     y = cross(d, x);
-  const float r = std::sqrt(-2 * s.variance * std::log(1 - (float(i) + 0.5f) / float(count))), a = 2.3999632f * float(i);
+  const float u = (float(i) + 0.5f) / float(count), r = std::sqrt(-2 * s.variance * std::log(1 - u)),
+              a = 2.3999632f * float(i);
   return normalize(d + x * (r * std::cos(a)) + y * (r * std::sin(a)));
 }
 
