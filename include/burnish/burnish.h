@@ -52,8 +52,10 @@
 #include <burnish/light/environment.h>
 #include <burnish/light/illuminate.h>
 #include <burnish/light/irradiance.h>
+#include <burnish/light/lamps.h>
 #include <burnish/light/pyramid.h>
 #include <burnish/light/rings.h>
+#include <burnish/light/samples.h>
 #include <burnish/light/sky.h>
 #include <burnish/light/sun.h>
 #include <burnish/light/transport.h>

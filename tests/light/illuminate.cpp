@@ -125,7 +125,7 @@ TEST_CASE("Illumination: between its knots the table is within 0.2 % of the ring
   const Surfels s(16, 0.1);
   const EnvironmentLight e = light_of(blob);
   const Illumination light(e, s);
-  const Pyramid sky(e);
+  const Surroundings sky(e);
   std::vector<double> r, d;
   for (double x = 0.0201; x < 1; x *= 1.09) r.push_back(x), d.push_back(4 * x * x * x);
   vec3<Transport::P> n, v;

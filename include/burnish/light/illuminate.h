@@ -6,6 +6,10 @@
 // slope belong to one smooth function. 1.2 kB a surfel. Colours, weights and indices come in afterwards, exactly
 // (shade/brdf.h, Moments).
 //
+// Against a converged quadrature, on eight real panoramas, each at eight roughnesses from .02 to 1 (bench_specular):
+// the value's error is at most 1.4 % rms outdoors and 1.8 % indoors, and at most .5 % of the slopes have the wrong sign
+// where |d ln V / dr| > .1. Where something is in the way a direction is open or not: 2.5 % of what is seen without it.
+//
 //   const EnvironmentLight sky(panorama, yaw);
 //   const LightOf<float> light(sky, gbuffer, [&](int i, auto directions, auto out) { ... out[k] = 1 where blocked ...
 //   }); illuminate(surface, gbuffer.at(i), light, List<Sun, float>{sky.suns}, LightStrength<float>{});
@@ -52,7 +56,7 @@ public:
     irradiance_.resize(std::size_t(blocks) * irradiance_block);
     sun_.resize(std::size_t(blocks) * std::max(suns_, 1) * 16);
     if (size_ == 0) return;
-    const Pyramid sky(environment);
+    const Surroundings sky(environment);
     const IrradianceMap unblocked(environment);
     const Transport transport(roughnesses(), slopes(), options.rings);
     parallel_for(blocks, [&](int b) {
@@ -72,7 +76,7 @@ public:
         for (int c = 0; c < Transport::irradiances; ++c) e[16 * c + k] = of_normal[c];
       }
       if (blocked) {
-        open = look(transport, block, b, environment.suns, blocked, sun);
+        open = look(transport, sky, block, b, environment.suns, blocked, sun);
         transport.block(sky, block, open.data(), options.occluded, e);
       }
       transport.gather(sky, block, blocked ? open.data() : nullptr, options.occluded,
@@ -177,12 +181,13 @@ private:
   };
 
   /// Which directions of a block are open, a bit a lane; and the part of each sun that is.
-  std::vector<std::uint16_t> look(const Transport& transport, const Transport::Block& block, int b,
-                                  const std::vector<Sun<float>>& suns, const Blocked& blocked, float* sun) const {
-    std::vector<std::uint16_t> open(transport.directions(), 0xffff);
+  std::vector<std::uint16_t> look(const Transport& transport, const Surroundings& sky, const Transport::Block& block,
+                                  int b, const std::vector<Sun<float>>& suns, const Blocked& blocked,
+                                  float* sun) const {
+    std::vector<std::uint16_t> open(transport.directions(sky), 0xffff);
     std::vector<vec3<P>> directions(open.size());
     std::vector<unsigned> used(open.size());
-    for (int d = 0; d < int(open.size()); ++d) directions[d] = transport.direction(block, d, &used[d]);
+    for (int d = 0; d < int(open.size()); ++d) directions[d] = transport.direction(sky, block, d, &used[d]);
     std::vector<vec3<float>> rays;
     std::vector<std::uint8_t> out;
     for (int k = 0; k < 16 && 16 * b + k < size_; ++k) {
@@ -192,7 +197,7 @@ private:
       }
       const std::size_t sky_rays = rays.size();
       for (const Sun<float>& s : suns) {
-        for (int i = 0; i < sun_rays; ++i) rays.push_back(sun_ray(s, i));
+        for (int i = 0; i < sun_rays; ++i) rays.push_back(sun_ray(s, i, sun_rays));
       }
       out.assign(rays.size(), 0);
       blocked(16 * b + k, rays, out);
@@ -207,14 +212,6 @@ private:
       }
     }
     return open;
-  }
-  /// Spread as the sun's Gaussian is, along a golden spiral.
-  static vec3<float> sun_ray(const Sun<float>& s, int i) {
-    const vec3<float>& d = s.direction;
-    const vec3<float> x = normalize(cross(std::abs(d.y) < 0.9f ? vec3<float>(0, 1, 0) : vec3<float>(1, 0, 0), d)),
-                      y = cross(d, x);
-    const float r = std::sqrt(-2 * s.variance * std::log(1 - (float(i) + 0.5f) / sun_rays)), a = 2.3999632f * float(i);
-    return normalize(d + x * (r * std::cos(a)) + y * (r * std::sin(a)));
   }
 };
 
@@ -280,7 +277,9 @@ template <class T> constexpr vec3<T> sunlit(const Layers<T>& s, const vec3<same<
 
 /// Reflected radiance towards the viewer, linear RGB: sky and suns, coat and base. at: a Surfel (normal, tangent, view,
 /// index) of the G-buffer that the light was gathered for. The sky sees the surfel's own normal; only the suns see the
-/// surface's geometry normals, and base_diffuse_roughness.
+/// surface's geometry normals, and base_diffuse_roughness. So the sky's slope by a normal is 0, and that is all of its
+/// error: a degree of turn truly changes a mirroring dielectric by 50 % at roughness .05, 23 % at .1, 9 to 11 % at .2,
+/// 3 to 4 % at .5 and 1.8 % at 1 (rms over views and panoramas, measured by bench_specular).
 template <class T, class At> constexpr vec3<T> illuminate(const Surface<T>& s, const At& at, const LightOf<T>& light,
                                                           const List<Sun, T>& suns, const LightStrength<T>& strength) {
   const Layers<T> a = layers(s);

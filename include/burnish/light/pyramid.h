@@ -1,8 +1,10 @@
 // burnish/light/pyramid.h -- a lat-long map blurred on the sphere, to be looked up at any direction and any width
 // SPDX-License-Identifier: Apache-2.0
 //
-// Level 0 is the map; level j >= 1 is the map convolved with a spherical Gaussian of standard deviation 2^(j-1) texels
-// of the map, held at half the size of the level before from j = 2 on. Blurring on the sphere has no poles and no seam.
+// Level 0 is the map; level j >= 1 is the map convolved with (4 G(s) - G(2 s)) / 3, G(s) a spherical Gaussian of
+// standard deviation s = 2^(j-1) texels of the map, held at half the size of the level before from j = 2 on. That
+// kernel has no second moment: wide as its samples are, their sum still follows a lobe that bends within their width.
+// Blurring on the sphere has no poles and no seam.
 #pragma once
 #include <array>
 #include <burnish/ad/parallel.h>
@@ -22,18 +24,22 @@ public:
     for (int c = 0; c < 3; ++c) level.plane[c].assign(e.map.plane(c), e.map.plane(c) + std::size_t(w) * h);
     store(level);
     double sigma = step;  // of the level to come
+    Level before;         // blurred, not stored yet
     for (int j = 1; j < most_levels && sigma < 1.2; ++j, sigma *= 2) {
       const int width = j == 1 ? w : std::max(16, level.width / 2);
       const double tent = 3.141592653589793 / (width / 2);
       const double more = sigma * sigma - level.variance - tent * tent / 6;
       level = blurred(level, width, std::sqrt(std::max(more, 1e-12)));
       level.variance = sigma * sigma;
-      store(level);
+      if (j > 1) store(sharpened(before, level));
+      before = level;
     }
+    store(level);
   }
 
-  /// Radiance from a unit world direction, averaged over a Gaussian of that variance (rad^2 per axis). At variance 0 it
-  /// is the bilinear map.
+  /// Radiance from a world direction of any length, averaged over the kernel above with s^2 = variance (rad^2 per
+  /// axis), linear in the variance between levels; the last level is a plain Gaussian. At variance 0 it is the bilinear
+  /// map. Beside a bright light it may be negative.
   vec3<float> fetch(const vec3<float>& d, float variance) const {
     float x[16] = {d.x}, y[16] = {d.y}, z[16] = {d.z}, s[16] = {variance}, r[16], g[16], b[16];
     const unsigned only = 1;
@@ -115,6 +121,28 @@ private:
     return top + (bottom - top) * fy;
   }
 
+  /// (4 fine - coarse) / 3, coarse bilinear between its texels; it is as large as fine or half of it.
+  static Level sharpened(Level fine, const Level& coarse) {
+    const int ratio = fine.width / coarse.width, w = coarse.width, h = coarse.height;
+    for (int c = 0; c < 3; ++c) {
+      const auto at = [&](int x, int y) {  // beyond a pole the meridian goes on half-way round
+        const int over = y < 0 || y >= h ? w / 2 : 0;
+        return coarse.plane[c][std::size_t(std::clamp(y, 0, h - 1)) * w + (x + over + w) % w];
+      };
+      for (int y = 0; y < fine.height; ++y) {
+        const float v = (float(y) + 0.5f) / float(ratio) - 0.5f, row = std::floor(v), fy = v - row;
+        for (int x = 0; x < fine.width; ++x) {
+          const float u = (float(x) + 0.5f) / float(ratio) - 0.5f, column = std::floor(u), fx = u - column;
+          const int i = int(column), k = int(row);
+          const float top = at(i, k) + (at(i + 1, k) - at(i, k)) * fx;
+          const float low = at(i, k + 1) + (at(i + 1, k + 1) - at(i, k + 1)) * fx;
+          float& to = fine.plane[c][std::size_t(y) * fine.width + x];
+          to = (4 * to - (top + (low - top) * fy)) / 3;
+        }
+      }
+    }
+    return fine;
+  }
   /// from convolved on the sphere with exp((cos angle - 1) / sigma^2), at width x width / 2 texels; width is that of
   /// from or half of it. A row of the result is one item of work.
   static Level blurred(const Level& from, int width, double sigma) {

@@ -1,10 +1,10 @@
 // burnish/light/rings.h -- fixed half vectors on which every GGX roughness is integrated at once
 // SPDX-License-Identifier: Apache-2.0
 //
-// Half vectors lie on rings of constant x = tan(theta_h), plus the normal itself. A ring's weight is what its hat
-// function in ln x gathers of the GGX distribution: a second difference of F(x) = 1/2 ln(1 + x^2 / alpha^2), in closed
-// form with its slope by roughness. The directions do not depend on the roughness, so one gather of radiance serves
-// every roughness, and the slope by it is exact.
+// Half vectors lie on rings of constant x = tan(theta_h), plus the normal itself. In ln x a GGX lobe of any roughness
+// is the same bump, D(h) dot(n, h) dh = 2 y / (1 + y)^2 d ln x with y = x^2 / alpha^2, analytic and fading on both
+// sides: the plain trapezoidal rule over the rings is all but exact, in closed form with its slope by roughness. The
+// directions do not depend on the roughness, so one gather of radiance serves every roughness, and the slope is exact.
 #pragma once
 #include <cmath>
 #include <vector>
@@ -14,7 +14,7 @@ namespace burnish {
 
 class Rings {
 public:
-  /// 183, 321 or 607 directions; dense, 13,000, is there to measure the others by.
+  /// 162, 302 or 578 directions; dense, 2,900, is there to measure the others by.
   enum class Size { small, medium, large, dense };
 
   /// Samples padded to a multiple of 16 with ones of share 0. The local frame: z the normal, x the part of the view in
@@ -25,36 +25,31 @@ public:
   std::vector<int> ring;
 
   explicit Rings(Size size = Size::medium) {
-    struct Zone {
-      double end, ratio;
-      int azimuths;
-    };
     struct Layout {
-      double first, last;
-      Zone zone[3];
+      double inner, outer, last;  // distances in ln x, and the largest x
     };
-    constexpr Layout layouts[4] = {{1e-3, 7, {{0.01, 2, 6}, {0.1, 1.8, 8}, {1e9, 1.6, 14}}},
-                                   {1e-3, 7, {{0.01, 2, 8}, {0.06, 1.6, 12}, {1e9, 1.45, 18}}},
-                                   {5e-4, 8, {{0.01, 1.6, 10}, {0.06, 1.4, 16}, {1e9, 1.3, 24}}},
-                                   {1e-3, 40, {{0.1, 1.2, 32}, {0.3, 1.1, 64}, {1e9, 1.05, 128}}}};
+    constexpr Layout layouts[4] = {{0.72, 0.54, 6}, {0.55, 0.4, 8}, {0.35, 0.3, 8}, {0.15, 0.15, 30}};
     const Layout& l = layouts[int(size)];
-    std::vector<int> azimuths;
-    for (double x = l.first;;) {
-      const Zone& z = x < l.zone[0].end ? l.zone[0] : x < l.zone[1].end ? l.zone[1] : l.zone[2];
-      tangent.push_back(x);
-      azimuths.push_back(z.azimuths);
-      if (x >= l.last) break;
-      x *= z.ratio;
+    inner = l.inner;
+    // Rings lie at whole numbers of a coordinate that ln x is a smooth function of: the trapezoidal rule wants it so.
+    // step: d ln x by it. Half-way from the inner to the outer distance at x = .03; one Runge-Kutta step a ring.
+    const auto step_at = [&](double log_x) {
+      return l.outer + (l.inner - l.outer) / (1 + std::exp(2 * (log_x - std::log(0.03))));
+    };
+    for (double at = std::log(1e-3); at < std::log(l.last);) {
+      const double a = step_at(at), b = step_at(at + a / 2), c = step_at(at + b / 2), d = step_at(at + c);
+      tangent.push_back(std::exp(at));
+      step.push_back(a);
+      at += (a + 2 * b + 2 * c + d) / 6;
     }
     const int n = int(tangent.size());
     add(0, 0, 1, pi_ * tangent[0] * tangent[0] / 4, 0);
     for (int k = 0; k < n; ++k) {
       const double x = tangent[k], z = 1 / std::sqrt(1 + x * x);
-      const double low = std::log(tangent[std::max(k - 1, 0)]), high = std::log(tangent[std::min(k + 1, n - 1)]);
-      const double width = (high - low) / (k == 0 || k == n - 1 ? 1 : 2),
-                   cell = 2 * pi_ / azimuths[k] * x * x * width * z * z * z;
-      for (int i = 0; i < azimuths[k]; ++i)
-        add(x, 2 * pi_ * (i + (k % 2 ? 0.5 : 0)) / azimuths[k], azimuths[k], cell, k + 1);
+      const int azimuths = int(2 * pi_ / step[k] + 0.5);  // as far from each other as the rings are
+      const double cell = 2 * pi_ / azimuths * step[k] * x * x * z * z * z;
+      for (int i = 0; i < azimuths; ++i)
+        add(x, 2 * pi_ * (i + (k % 2 ? 0.5 : 0)) / azimuths, azimuths, cell, k + 1);
     }
     directions_ = int(ring.size());
     while (ring.size() % 16) add(0, 0, 0, 1, 0);
@@ -65,32 +60,23 @@ public:
   int rings() const { return int(tangent.size()) + 1; }
 
   /// The integral of D(h) dot(n, h) over half vectors, shared out to the rings, and its slope by alpha^2. The weights
-  /// sum to 1.
+  /// sum to 1 (to 3e-4) less what lies beyond the last ring, alpha^2 / (alpha^2 + last^2) at most.
   void weights(double alpha2, double* w, double* dw) const {
-    const int n = int(tangent.size());
-    const double y = tangent[0] * tangent[0] / alpha2, u = y / (1 + y), du = -u / ((1 + y) * alpha2);
-    // Within the first ring the hat is linear in x^2; the series keeps what cancels when the lobe is far wider.
-    const bool narrow = y < 1e-3;
-    const double inner = narrow ? y / 2 - y * y * (2.0 / 3) : (std::log1p(y) - u) / y;
-    const double d_inner = -y / alpha2 * (narrow ? 0.5 - y * (4.0 / 3) : (u * u / y - inner) / y);
-    w[0] = u - inner, dw[0] = du - d_inner;
-    double before = w[0], d_before = dw[0];
-    for (int k = 0; k < n; ++k) {
-      double slope = 1, d_slope = 0;
-      if (k + 1 < n) {
-        const double a = tangent[k] * tangent[k], b = tangent[k + 1] * tangent[k + 1],
-                     d = 0.5 / std::log(tangent[k + 1] / tangent[k]);
-        slope = d * (std::log1p(b / alpha2) - std::log1p(a / alpha2));
-        d_slope = -d / alpha2 * (b / (alpha2 + b) - a / (alpha2 + a));
-      }
-      w[k + 1] = slope - before, dw[k + 1] = d_slope - d_before;
-      before = slope, d_before = d_slope;
+    w[0] = dw[0] = 0;
+    for (int k = -inner_rings; k < rings() - 1; ++k) {
+      // What rings further in would have, the normal gets.
+      const double x = k < 0 ? tangent[0] * std::exp(k * inner) : tangent[k], y = x * x / alpha2, over = 1 / (1 + y);
+      const double here = (k < 0 ? inner : step[k]) * 2 * y * over * over, d_here = here * (y - 1) * over / alpha2;
+      if (k < 0) w[0] += here, dw[0] += d_here;
+      else w[k + 1] = here, dw[k + 1] = d_here;
     }
   }
 
 private:
   static constexpr double pi_ = 3.141592653589793;
-  std::vector<double> tangent;
+  static constexpr int inner_rings = 80;
+  double inner = 0;
+  std::vector<double> tangent, step;
   int directions_ = 0;
 
   void add(double x, double azimuth, int azimuths, double cell, int which) {
@@ -99,8 +85,9 @@ private:
     half_y.push_back(float(x * z * std::sin(azimuth)));
     half_z.push_back(float(z));
     share.push_back(azimuths ? 1 / float(azimuths) : 0);
-    spread.push_back(
-        float(1.6 * 4 / 12 * cell));  // a cell of half vectors is 4 dot(v, h) cells of directions; 1.6 measured
+    // A cell of half vectors is 4 dot(v, h) cells of directions. Of a cell's area a third: between the filters' gaps
+    // and their reach; a quarter to a half measure alike.
+    spread.push_back(float(4.0 / 3 * cell));
     ring.push_back(which);
   }
 };

@@ -3,6 +3,7 @@
 //
 // World frame: +Y up. Everything here is a smooth function of all its arguments, the light's direction included.
 #pragma once
+#include <cmath>
 #include <burnish/math/vec.h>
 
 namespace burnish {
@@ -19,6 +20,16 @@ template <class T> struct Sun {
                       Param{"variance", &Sun::variance, Range{1e-7f, 0.1f}}, Param{"index", &Sun::index, Range{0, 0}}};
   }
 };
+
+/// Ray i of `count` towards a sun, spread as its Gaussian is, along a golden spiral.
+inline vec3<float> sun_ray(const Sun<float>& s, int i, int count) {
+  const vec3<float>& d = s.direction;
+  const vec3<float> x = normalize(cross(std::abs(d.y) < 0.9f ? vec3<float>(0, 1, 0) : vec3<float>(1, 0, 0), d)),
+                    y = cross(d, x);
+  const float u = (float(i) + 0.5f) / float(count), r = std::sqrt(-2 * s.variance * std::log(1 - u)),
+              a = 2.3999632f * float(i);
+  return normalize(d + x * (r * std::cos(a)) + y * (r * std::sin(a)));
+}
 
 /// The GGX density D (per steradian of half vectors) at the half vector of v and l, averaged over a Gaussian light of
 /// that variance (rad^2 per axis) around l: what replaces D when the light is no point. n, v, l unit; 0 < roughness <=
