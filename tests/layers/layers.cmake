@@ -13,7 +13,8 @@ set(below_shade "ad/" "math/" "nodes/surface.h")
 set(below_light "ad/" "math/" "nodes/surface.h" "shade/" "scene/image.h")
 set(below_graph "ad/" "math/" "nodes/" "shade/")
 set(below_fit "ad/" "math/" "scene/")
-set(below_io "ad/" "math/" "nodes/" "scene/" "shade/" "light/" "graph/" "fit/")
+set(below_twin "ad/" "math/" "scene/" "fit/")
+set(below_io "ad/" "math/" "nodes/" "scene/" "shade/" "light/" "graph/" "fit/" "twin/")
 
 # Third parties, each behind one door.
 set(third_scene/raycast.h "^embree[34]/")
