@@ -370,6 +370,8 @@ std::vector<std::string> installed() {
   return found;
 }
 int run(Options options) {
+  if (!options.figure.empty() && std::filesystem::path(options.figure).extension() != ".svg")
+    throw Error("--figure " + options.figure + ": expected a name that ends in .svg");
   if (options.panoramas.empty()) options.panoramas = installed();
   if (options.panoramas.empty())
     throw Error("no panorama: expected files, or Debian's blender-data under /usr/share/blender");

@@ -14,7 +14,9 @@ namespace burnish {
 
 class Rings {
 public:
-  /// 162, 302 or 578 directions; dense, 2,900, is there to measure the others by.
+  /// 162, 302 or 578 directions, gathered in .6, 1 and 1.8 of the time; dense, 2,900, is there to measure them by.
+  /// Worst rms error of six hard panoramas, outdoors and indoors: small 2.0 and 3.3 %, medium 1.4 and 2.8 %, large 1.6
+  /// (a forest at roughness .02; else 1.3) and 1.4 %.
   enum class Size { small, medium, large, dense };
 
   /// Samples padded to a multiple of 16 with ones of share 0. The local frame: z the normal, x the part of the view in

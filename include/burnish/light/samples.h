@@ -127,23 +127,27 @@ private:
   vec3<P> radiance(const Surroundings& sky, bool whole, const Block& b, int i, P spread, P slant,
                    const std::uint16_t* open, const vec3<float>& occluded) const {
     unsigned used;
-    const vec3<P> d = direction(sky, b, i, &used), flat = b.view - d * dot(b.view, d);
+    const vec3<P> d = direction(sky, b, i, &used);
     const unsigned seen = open ? used & open[i] : used;
-    const bool round = !whole || spread[0] < 1e-4f;
-    const P spots = round ? P(1.0f) : select(slant > 0.5f, P(1.0f), select(slant > 0.25f, P(2.0f), P(4.0f)));
-    const P variance = spread * select(spots > 1.5f, 1.0f / (spots * spots), slant);
-    const vec3<P> along = flat * (sqrt(3.0f * spread) * rsqrt(max(dot(flat, flat), 1e-8f)));  // the cell's length
+    alignas(64) float red[16], green[16], blue[16];
     vec3<P> sum(P(0.0f), P(0.0f), P(0.0f));
-    for (int spot = 0; spot < 4; ++spot) {
-      unsigned wanted = 0;
-      for (int k = 0; k < 16; ++k) wanted |= unsigned(float(spot) < spots[k]) << k;
-      if ((wanted &= seen) == 0) break;
-      const vec3<P> q = d + along * ((float(spot) + 0.5f) / spots - 0.5f);
-      alignas(64) float r[16], g[16], c[16];
-      (whole ? sky.whole : sky.rest).fetch(q.x, q.y, q.z, variance, wanted, r, g, c);
-      sum += vec3<P>(P::load(r), P::load(g), P::load(c));
+    if (!whole || spread[0] < 1e-4f) {
+      (whole ? sky.whole : sky.rest).fetch(d.x, d.y, d.z, spread * slant, seen, red, green, blue);
+      sum = vec3<P>(P::load(red), P::load(green), P::load(blue));
+    } else {
+      const vec3<P> flat = b.view - d * dot(b.view, d);
+      const vec3<P> along = flat * (sqrt(3.0f * spread) * rsqrt(max(dot(flat, flat), 1e-8f)));  // the cell's length
+      const P spots = select(slant > 0.5f, P(1.0f), select(slant > 0.25f, P(2.0f), P(4.0f))), part = 1.0f / spots;
+      const P variance = spread * select(slant > 0.5f, slant, part * part);
+      for (int spot = 0; spot < 4; ++spot) {
+        unsigned wanted = 0;
+        for (int k = 0; k < 16; ++k) wanted |= unsigned(float(spot) < spots[k]) << k;
+        if ((wanted &= seen) == 0) break;
+        const vec3<P> q = d + along * ((float(spot) + 0.5f) * part - 0.5f);
+        sky.whole.fetch(q.x, q.y, q.z, variance, wanted, red, green, blue);
+        sum += vec3<P>(P::load(red), P::load(green), P::load(blue)) * part;
+      }
     }
-    sum = sum * (1.0f / spots);
     if (const unsigned hidden = used & ~seen) {
       for (int k = 0; k < 16; ++k) {
         if (hidden >> k & 1) sum.x.v[k] = occluded.x, sum.y.v[k] = occluded.y, sum.z.v[k] = occluded.z;
