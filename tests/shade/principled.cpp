@@ -88,5 +88,6 @@ TEST_CASE("Principled: all numbers agree and the slopes are right", "[shade][gra
         [](const auto& p, const auto& v, const auto& l) {
           return weigh(principled_cos(p, v, l)) + 0.5f * weigh(principled_normalized_cos(p, v, l));
         },
-        [](Random& r) { return std::tuple{drawn(r), upward(r, 0.3), upward(r, 0.3)}; });
+        [](Random& r) { return std::tuple{drawn(r), upward(r, 0.3), upward(r, 0.3)}; },
+        {.rounding = 1e-5, .scale = 1e-3});
 }
