@@ -296,7 +296,7 @@ void draw(const std::string& path, const std::vector<Result>& all) {
       error.curves.push_back(rms), sign.curves.push_back(wrong);
     }
   }
-  specular_figure::write(path, "GGX under real panoramas against a converged quadrature; bands: least to most of them",
+  specular_figure::write(path, "GGX under real panoramas, against a converged quadrature",
                          roughnesses, {error, sign});
 }
 
@@ -314,8 +314,13 @@ template <class F> double seconds(F f) {
   return best;
 }
 void costs(const std::string& name, const EnvironmentLight& e, bool markdown) {
-  const int before = threads(), count = 1600;
-  const std::vector<View> views = specular_reference::views(count), one(views.begin(), views.begin() + 1);
+  const int before = threads(), side = 80, count = side * side;
+  std::vector<View> views;  // pixels of a ball seen from afar: neighbours look into neighbouring directions
+  for (int i = 0; i < count; ++i) {
+    const double x = 1.36 * ((i % side + 0.5) / side - 0.5), y = 1.36 * ((i / side + 0.5) / side - 0.5);
+    views.emplace_back(vec3<double>(x, -y, std::sqrt(1 - x * x - y * y)), vec3<double>(0, 0, 1));
+  }
+  const std::vector<View> one(views.begin(), views.begin() + 1);
   set_threads(1);
   std::unique_ptr<Illumination> light;
   const double prepared = seconds([&] { light = std::make_unique<Illumination>(e, Surfels{&one}); });
@@ -323,13 +328,13 @@ void costs(const std::string& name, const EnvironmentLight& e, bool markdown) {
   using P = Packet<float, 16>;
   float checksum = 0;
   const auto resolve = [&](bool slope) {
-    constexpr int rounds = 200;
+    constexpr int rounds = 50;
     return seconds([&] {
              for (int k = 0; k < rounds; ++k) {
                for (int i = 0; i < count; i += 16) {
                  P x[2], y[12], d[12], back[2];
                  for (int j = 0; j < 16; ++j) x[0].v[j] = float(i + j);
-                 x[1] = P(0.02f + 0.0048f * float(k));
+                 x[1] = P(0.02f + 0.0192f * float(k));
                  LightTable<12>::value(*light, x, y);
                  checksum += y[0][0];
                  if (!slope) continue;

@@ -81,7 +81,7 @@ inline std::string draw(const Panel& p, const std::vector<double>& roughness, do
 inline void write(const std::string& path, const std::string& title, const std::vector<double>& roughness,
                   const std::vector<Panel>& panels) {
   constexpr double w = 380, h = 290, left = 74, top = 86, gap = 96;
-  const double width = left + double(panels.size()) * w + double(panels.size() - 1) * gap + 30, height = top + h + 104;
+  const double width = left + double(panels.size()) * w + double(panels.size() - 1) * gap + 30, height = top + h + 118;
   std::ostringstream out;
   out << "<svg xmlns='http://www.w3.org/2000/svg' width='" << width << "' height='" << height << "' viewBox='0 0 "
       << width << " " << height << "' font-family='Helvetica, Arial, sans-serif' font-size='12' fill='#444'>\n"
@@ -97,7 +97,8 @@ inline void write(const std::string& path, const std::string& title, const std::
         << y + 4 << "'>" << c.name << "</text>\n";
     x += 62 + 6.6 * double(c.name.size());
   }
-  out << "</svg>\n";
+  out << "<text x='" << left << "' y='" << height - 14
+      << "' fill='#777'>Lines: all panoramas. Bands: from the best of them to the worst.</text>\n</svg>\n";
   const std::string partial = path + ".partial";
   std::ofstream file(partial);
   file << out.str();

@@ -278,7 +278,7 @@ template <class T> constexpr vec3<T> sunlit(const Layers<T>& s, const vec3<same<
 /// Reflected radiance towards the viewer, linear RGB: sky and suns, coat and base. at: a Surfel (normal, tangent, view,
 /// index) of the G-buffer that the light was gathered for. The sky sees the surfel's own normal; only the suns see the
 /// surface's geometry normals, and base_diffuse_roughness. So the sky's slope by a normal is 0, and that is all of its
-/// error: a degree of turn truly changes a mirroring dielectric by 50 % at roughness .05, 23 % at .1, 9 to 11 % at .2,
+/// error: a degree of turn truly changes a mirroring dielectric by 50 to 60 % at roughness .05, 23 % at .1, 10 % at .2,
 /// 3 to 4 % at .5 and 1.8 % at 1 (rms over views and panoramas, measured by bench_specular).
 template <class T, class At> constexpr vec3<T> illuminate(const Surface<T>& s, const At& at, const LightOf<T>& light,
                                                           const List<Sun, T>& suns, const LightStrength<T>& strength) {
