@@ -58,7 +58,7 @@ TEST_CASE("Lamps: with the rest of the map they are its light, the rest nowhere 
       false);
   const Lamps lamps(e);
   vec3<double> sum = lamps.rest.energy();
-  for (const Lamp& l : lamps.all) sum += vec3<double>(l.power);
+  for (const Lamps::Lamp& l : lamps.all) sum += vec3<double>(l.power);
   record::claim("Lamps", "law", "lamps + rest = the map", 1e-5, std::abs(sum.x / e.energy().x - 1), 1);
   REQUIRE(lamps.all.size() > 20);
   CHECK(lamps.all.size() < std::size_t(Lamps::most));

@@ -8,13 +8,12 @@
 
 namespace burnish {
 
-/// Light of one direction: radiance x solid angle.
-struct Lamp {
-  vec3<float> direction, power;  // unit, in the world
-};
-
-/// lamps + rest is the map of an EnvironmentLight (suns apart), its energy kept.
+/// all + rest is the map of an EnvironmentLight (suns apart), its energy kept.
 struct Lamps {
+  /// Light of one direction: unit, in the world; radiance x solid angle.
+  struct Lamp {
+    vec3<float> direction, power;
+  };
   static constexpr int most = 128, rows = 32;  // rows of the cells whose excess becomes a lamp each
   static constexpr double threshold = 2;       // times the mean radiance is what the map keeps of a texel
 

@@ -16,7 +16,7 @@ namespace burnish {
 /// What shines, without its suns, prepared to be looked up.
 struct Surroundings {
   Pyramid whole, rest;
-  std::vector<Lamp> lamps;
+  std::vector<Lamps::Lamp> lamps;
   explicit Surroundings(const EnvironmentLight& e) : Surroundings(e, Lamps(e)) {}
 
 private:
