@@ -9,7 +9,6 @@
 #pragma once
 #include <algorithm>
 #include <cstdio>
-#include <functional>
 #include <burnish/ad/differentiate.h>
 
 namespace burnish {
@@ -85,10 +84,12 @@ struct Checking {
   double step = 1e-2;       ///< the first, relative to max(|x|, 0.1)
 };
 namespace detail {
-/// check_gradient with its types taken off: a function of numbers, the names of these, the point and the slopes there.
-inline GradientCheck check_slopes(const std::function<double(const std::vector<double>&)>& f,
+/// check_gradient with its types taken off: a function of numbers (called with `self`), the names of these, the point
+/// and the slopes there.
+inline GradientCheck check_slopes(double (*call)(void* self, const std::vector<double>&), void* self,
                                   const std::vector<std::string>& names, std::vector<double> at,
                                   const std::vector<double>& slopes, const Checking& how) {
+  const auto f = [&](const std::vector<double>& x) { return call(self, x); };
   const double f0 = std::fabs(f(at));
   double largest = 0;
   for (const double s : slopes) largest = std::max(largest, std::fabs(s));
@@ -144,12 +145,13 @@ template <class F, class... Args> GradientCheck check_gradient(F&& f, const Chec
     return std::tuple<Args...>{std::get<I + 1>(all)...};
   }(std::index_sequence_for<Args...>{});
   each_number(d, [&](double& x) { slopes.push_back(x); });
-  const auto value = [&](const std::vector<double>& x) {
+  auto value = [&](const std::vector<double>& x) {
     std::size_t i = 0;
     each_number(point, [&](double& to) { to = x[i++]; });
     return double(std::apply([&](const auto&... a) { return f(a...); }, point));
   };
-  return detail::check_slopes(value, names, at, slopes, how);
+  const auto call = [](void* self, const std::vector<double>& x) { return (*static_cast<decltype(value)*>(self))(x); };
+  return detail::check_slopes(call, &value, names, at, slopes, how);
 }
 template <class F, class First, class... Rest>
 GradientCheck check_gradient(F&& f, const First& first,

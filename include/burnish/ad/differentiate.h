@@ -4,7 +4,7 @@
 //   auto [z, dz_dx, dz_dy] = differentiate([](auto x, auto y) { return sin(x) * exp(x * y); }, 1.0, 2.0);
 //   auto [y, d] = differentiate([&](const auto& s) { return luminance(shade(s, hit)); }, plastic);  // d is a Surface<float>
 #pragma once
-#include <memory>
+#include <deque>
 #include <burnish/ad/tape.h>
 
 namespace burnish {
@@ -22,8 +22,8 @@ template <class A> using scalar_in_t = typename scalar_in<A>::type;
 template <class S> class TapeLease {
 public:
   TapeLease() {
-    if (std::size_t(depth()) == kept().size()) kept().push_back(std::make_unique<Tape<S>>());
-    tape = kept()[std::size_t(depth()++)].get();
+    if (std::size_t(depth()) == kept().size()) kept().emplace_back();
+    tape = &kept()[std::size_t(depth()++)];
     tape->clear();
   }
   ~TapeLease() { --depth(); }
@@ -33,8 +33,8 @@ public:
 
 private:
   Tape<S>* tape;
-  static std::vector<std::unique_ptr<Tape<S>>>& kept() {
-    static thread_local std::vector<std::unique_ptr<Tape<S>>> tapes;
+  static std::deque<Tape<S>>& kept() {  // which never moves what it holds
+    static thread_local std::deque<Tape<S>> tapes;
     return tapes;
   }
   static int& depth() {

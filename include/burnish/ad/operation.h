@@ -185,7 +185,7 @@ template <class Op> inline constexpr Info info{
     Op::inputs, Op::outputs, detail::has_slopes<Op>(), detail::Reads<Op>, detail::name_hash<Op>(), detail::needs<Op>(),
     detail::forward<Op, Lanes>, detail::backward<Op, Lanes>, detail::strip_forward<Op>, detail::backward_step<Op>};
 /// By name and not by address, which is no constant to a g++ that sanitizes.
-template <class Op> constexpr bool is(const Info* op) { return op->hash == info<Op>.hash; }
+template <class Op> constexpr bool is(const Info* op) { return op->hash == detail::name_hash<Op>(); }
 
 namespace detail {
 template <class T> inline constexpr bool is_number = Plain<T> || is_packet<T> || std::is_base_of_v<Elementary<T>, T>;

@@ -1,7 +1,6 @@
 // burnish/fit/play.h -- a recording played over all pixels on all threads, the derivatives gathered in a fixed order
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-#include <memory>
 #include <burnish/ad/compiled.h>
 #include <burnish/ad/parallel.h>
 #include <burnish/fit/look.h>
@@ -105,8 +104,8 @@ struct CompiledRun {
     std::vector<Lanes> kept;
   };
   static State& state() {
-    static thread_local const std::unique_ptr<State> s(new State);
-    return *s;
+    static thread_local std::vector<State> s(1);  // not in the thread's own memory, of which a plugin has little
+    return s[0];
   }
   /// Is there a step that writes the adjoint of this plane?
   static bool writes(int plane) {

@@ -14,7 +14,7 @@
 //   const LightOf<float> light(sky, gbuffer, [&](int i, auto directions, auto out) { ... out[k] = 1 where blocked ...
 //   }); illuminate(surface, gbuffer.at(i), light, List<Sun, float>{sky.suns}, LightStrength<float>{});
 #pragma once
-#include <functional>
+#include <span>
 #include <burnish/ad/repeat.h>
 #include <burnish/light/transport.h>
 #include <burnish/shade/brdf.h>
@@ -37,9 +37,8 @@ struct IlluminationOptions {
 
 class Illumination {
 public:
-  /// blocked(i, directions, out): out[k] becomes 1 where unit world direction k is blocked as seen from surfel i, else
-  /// 0. It is called from all threads at once.
-  using Blocked = std::function<void(int, std::span<const vec3<float>>, std::span<std::uint8_t>)>;
+  /// Nothing is in the way.
+  struct Unblocked {};
   using Options = IlluminationOptions;
   static constexpr int knots = 12, sun_rays = 16;
 
@@ -47,9 +46,11 @@ public:
   Illumination() : Illumination(EnvironmentLight(), None{}) {}
   /// surfels: size(), and at(i) with unit world vectors normal and view (a GBuffer; its padding is not gathered). All
   /// cores; the same bits for any number of them. Directions that are not blocked see the panorama, those below the
-  /// horizon its lower half.
-  template <class G> Illumination(const EnvironmentLight& environment, const G& surfels, const Blocked& blocked = {},
-                                  const Options& options = {})
+  /// horizon its lower half. blocked(i, directions, out), called from all threads at once, is given spans of vec3<float>
+  /// and std::uint8_t: out[k], 0 before, becomes 1 where unit world direction k is blocked as seen from surfel i.
+  template <class G, class Blocked = Unblocked>
+  Illumination(const EnvironmentLight& environment, const G& surfels, const Blocked& blocked = {},
+               const Options& options = {})
       : size_(surfels.size()), suns_(int(environment.suns.size())) {
     const int blocks = std::max(1, (size_ + 15) / 16);
     table_.resize(std::size_t(blocks) * table_block);
@@ -75,11 +76,11 @@ public:
         const auto of_normal = unblocked({n.x[k], n.y[k], n.z[k]});
         for (int c = 0; c < Transport::irradiances; ++c) e[16 * c + k] = of_normal[c];
       }
-      if (blocked) {
+      if constexpr (!std::is_same_v<Blocked, Unblocked>) {
         open = look(transport, sky, block, b, environment.suns, blocked, sun);
         transport.block(sky, block, open.data(), options.occluded, e);
       }
-      transport.gather(sky, block, blocked ? open.data() : nullptr, options.occluded,
+      transport.gather(sky, block, open.empty() ? nullptr : open.data(), options.occluded,
                        table_.data() + std::size_t(b) * table_block);
     });
   }
@@ -181,6 +182,7 @@ private:
   };
 
   /// Which directions of a block are open, a bit a lane; and the part of each sun that is.
+  template <class Blocked>
   std::vector<std::uint16_t> look(const Transport& transport, const Surroundings& sky, const Transport::Block& block,
                                   int b, const std::vector<Sun<float>>& suns, const Blocked& blocked,
                                   float* sun) const {
@@ -200,7 +202,7 @@ private:
         for (int i = 0; i < sun_rays; ++i) rays.push_back(sun_ray(s, i, sun_rays));
       }
       out.assign(rays.size(), 0);
-      blocked(16 * b + k, rays, out);
+      blocked(16 * b + k, std::span<const vec3<float>>(rays), std::span<std::uint8_t>(out));
       std::size_t at = 0;
       for (std::size_t d = 0; d < open.size(); ++d) {
         if (used[d] >> k & 1 && out[at++]) open[d] = std::uint16_t(open[d] & ~(1u << k));
