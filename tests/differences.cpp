@@ -145,9 +145,9 @@ void check(const std::string& names, Function& f, const How& how, const std::str
     Numbers x = f.draw(random);
     for (double& a : x) round_to_float(a);
     one_value(x, i, true);
-    const auto value = [](void* self, const Numbers& at) { return static_cast<Function*>(self)->in_double(at); };
+    const auto call = [](void* self, const Numbers& at) { return static_cast<Function*>(self)->in_double(at); };
     const GradientCheck c =
-        burnish::detail::check_slopes(value, &f, inputs, x, d, Checking{.step = how.step});
+        burnish::detail::check_slopes(call, &f, inputs, x, d, Checking{.step = how.step});
     if (c.verdict != Verdict::right) slope.add(c.text());
     if (c.verdict == Verdict::undecided) continue;
     ++decided;
