@@ -84,6 +84,7 @@ int main(int argc, char** argv) {
   CLI::App app{"Finds the camera that saw a CAD vehicle where a photo's mask is.\n\n"
                "  05_match_pose --photo street.jpg --mask car.png --vehicle car.glb --output pose\n"
                "  04_fit_material --photo street.jpg --mask car.png --vehicle car.glb --camera pose/camera.json ..."};
+  app.option_defaults()->take_last();
   app.add_option("--photo", o.photo, "the photo: any format OpenImageIO reads")->required();
   app.add_option("--mask", o.mask, "the vehicle in the photo: white, same size")->required();
   app.add_option("--vehicle", o.vehicle, "any format Assimp reads; archive.zip:inner/path for a file in a zip archive")
@@ -100,7 +101,6 @@ int main(int argc, char** argv) {
   app.add_option("-o,--output", o.output, "folder for the camera and the picture")->capture_default_str();
   try {
     app.parse(argc, argv);
-    catch_interrupt();
     return run(o);
   } catch (const CLI::ParseError& e) {
     if (e.get_exit_code() == 0) return app.exit(e);
