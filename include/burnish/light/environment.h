@@ -132,6 +132,7 @@ private:
       vec3<double> direction, power;
       double variance;
       std::vector<std::pair<int, vec3<float>>> texels;  // as they were
+      double strength = 0;                              // luminance of the power
     };
     std::vector<Cluster> clusters;
     for (int k = 0; k < sun_texels && order[k].luminance > threshold; ++k) {
@@ -162,12 +163,14 @@ private:
       o.power += c.power;
       o.texels.push_back(c.texels[0]);
     }
+    // Kept, and not computed as they are compared: a compiler that fuses one side's products and not the other's would
+    // find either of two like suns the brighter.
+    for (Cluster& c : clusters) c.strength = luminance(vec3<float>(c.power));
     std::sort(clusters.begin(), clusters.end(), [](const Cluster& a, const Cluster& b) {
-      const double x = luminance(vec3<float>(a.power)), y = luminance(vec3<float>(b.power));
-      return x != y ? x > y : a.texels[0].first < b.texels[0].first;
+      return a.strength != b.strength ? a.strength > b.strength : a.texels[0].first < b.texels[0].first;
     });
     for (const Cluster& c : clusters) {
-      if (int(suns.size()) == most_suns || luminance(vec3<float>(c.power)) < sun_part * 12.566370614359172 * mean) {
+      if (int(suns.size()) == most_suns || c.strength < sun_part * 12.566370614359172 * mean) {
         for (const auto& [index, color] : c.texels) map.set(index % map.width, index / map.width, color);
         continue;
       }
