@@ -10,8 +10,6 @@ here=$(dirname "$(realpath "${BASH_SOURCE[0]}")")
 program=$(realpath "$1")
 rm -rf "$2" && mkdir -p "$2" && cd "$2" || exit 2
 source "$here/box_car.sh"
-failed=0
-fail() { echo "FAILED: $*"; failed=1; }
 given=(--photo photo.ppm --mask mask.pgm --vehicle car.obj --focal 100)
 
 "$program" --help | grep -q "05_match_pose --photo" || fail "--help has no example"
@@ -22,17 +20,6 @@ log=$("$program" "${given[@]}" --output found 2>&1) || fail "a run: $log"
 awk '/^IoU/ { exit !($2 > 0.93 && (($4 > 85 && $4 < 95) || ($4 < -85 && $4 > -95))) }' <<<"$log" || fail "not the side: $log"
 awk -F'[:,]' '/"fx"/ { f = $2 } END { exit !(f > 99.9 && f < 100.1) }' found/camera.json || fail "the focal length was given"
 
-# refuses WORDS ARGUMENTS...
-refuses() {
-  local words=$1 code
-  shift
-  "$program" "${given[@]}" --output refused "$@" >out.log 2>error.log
-  code=$?
-  [ $code = 2 ] || fail "$*: exit $code"
-  [ "$(wc -l <error.log)" = 1 ] || fail "$*: not one line: $(cat error.log)"
-  grep -q "^05_match_pose: .*$words" error.log || fail "$*: does not say '$words': $(cat error.log)"
-  [ ! -e refused ] || fail "$*: something was written"
-}
 echo "P2 96 64 255 $(printf '0 %.0s' {1..6144})" >empty.pgm
 echo "P2 4 4 255 $(printf '255 %.0s' {1..16})" >small.pgm
 refuses "none.png: no such file" --mask none.png
