@@ -12,14 +12,35 @@
 namespace burnish {
 
 namespace detail {
-inline Sight sight_of(const Mask& vehicle, const Image& photo, const Frame& box) {
-  return sight_of(
-      vehicle, box, 3,
-      [&](int c, int x, int y) {
-        return std::sqrt(std::clamp(photo.plane(c)[std::size_t(y * photo.width + x)], 0.0f, 1.0f));
-      },
-      0.02f);
+inline void check_photo(const Mask& vehicle, const Image& photo) {
+  if (vehicle.width != photo.width || vehicle.height != photo.height)
+    throw Error("mask of " + std::to_string(vehicle.width) + " x " + std::to_string(vehicle.height) + ", photo of " +
+                std::to_string(photo.width) + " x " + std::to_string(photo.height) + ": they must agree");
 }
+/// A photo cut to the vehicle with some room about it, no larger than the grid needs, its values made even to the eye.
+struct Cutout {
+  Mask mask;
+  Image image;
+  Frame box;
+
+  Cutout(const Mask& vehicle, const Image& photo) {
+    check_photo(vehicle, photo);
+    const Frame f = frame_of(vehicle);
+    const int x0 = std::max(0, int(f.x0) - 4), y0 = std::max(0, int(f.y0) - 4),
+              w = std::min(vehicle.width, int(f.x1) + 4) - x0, h = std::min(vehicle.height, int(f.y1) + 4) - y0;
+    mask = cropped(vehicle, x0, y0, w, h), image = cropped(photo, x0, y0, w, h);
+    const float much = std::max(1.0f, std::min(float(w) / (1.5f * SightGrid::width), float(h) / (1.5f * SightGrid::height)));
+    const int small_w = int(std::lround(float(w) / much)), small_h = int(std::lround(float(h) / much));
+    if (much > 1) mask = resized(mask, small_w, small_h), image = resized(image, small_w, small_h);
+    const float sx = float(mask.width) / float(w), sy = float(mask.height) / float(h);
+    box = {(f.x0 - float(x0)) * sx, (f.y0 - float(y0)) * sy, (f.x1 - float(x0)) * sx, (f.y1 - float(y0)) * sy};
+    for (float& v : image.values) v = std::sqrt(std::clamp(v, 0.0f, 1.0f));
+  }
+  Sight sight(const Frame& at) const {
+    return sight_of(
+        mask, at, 3, [&](int c, int x, int y) { return image.plane(c)[std::size_t(y * image.width + x)]; }, 0.02f);
+  }
+};
 /// Its edges are where normal, depth or part change.
 inline Sight sight_of(const GBuffer& seen) {
   const Mask mask = seen.frame("coverage");
@@ -36,18 +57,13 @@ inline Sight sight_of(const GBuffer& seen) {
   return sight_of(
       mask, frame_of(mask), planes, [&](int c, int x, int y) { return values[std::size_t(c)].at(x, y); }, 0.1f);
 }
-inline void check_photo(const Mask& vehicle, const Image& photo) {
-  if (vehicle.width != photo.width || vehicle.height != photo.height)
-    throw Error("mask of " + std::to_string(vehicle.width) + " x " + std::to_string(vehicle.height) + ", photo of " +
-                std::to_string(photo.width) + " x " + std::to_string(photo.height) + ": they must agree");
-}
 }  // namespace detail
 
 /// A vehicle in a photo: view_numbers floats of unit length. The mask has the photo's size. Error where it is empty or
 /// of another size.
 inline std::vector<float> describe(const Mask& vehicle, const Image& photo) {
-  detail::check_photo(vehicle, photo);
-  return detail::numbers_of(detail::sight_of(vehicle, photo, detail::frame_of(vehicle)), {}).numbers;
+  const detail::Cutout cutout(vehicle, photo);
+  return detail::numbers_of(cutout.sight(cutout.box), {}).numbers;
 }
 
 /// A vehicle as a G-buffer shows it.

@@ -36,15 +36,11 @@ public:
   std::vector<Guess> guesses;
   std::vector<float> numbers, known;  // guesses x view_numbers: unit rows, and how far a number is known, 0 to 1
 
-  Guessed(const Mask& vehicle, const Image& photo) : mask(&vehicle), image(&photo), box(frame_of(vehicle)) {
-    check_photo(vehicle, photo);
-    plain = sight_of(vehicle, photo, box);
-    enclose();
-  }
+  explicit Guessed(const Cutout& of) : cutout(&of), box(of.box), plain(of.sight(of.box)) { enclose(); }
   void add(const Guess& g) {
     const Frame f = frame(g);
     const bool moved = g.kind == Guess::side || g.moved != std::array<float, 4>{};
-    const Described d = numbers_of(moved ? sight_of(*mask, *image, f) : plain, unknown(g, f));
+    const Described d = numbers_of(moved ? cutout->sight(f) : plain, unknown(g, f));
     guesses.push_back(g);
     numbers.insert(numbers.end(), d.numbers.begin(), d.numbers.end());
     known.insert(known.end(), d.known.begin(), d.known.end());
@@ -52,8 +48,7 @@ public:
 
 private:
   static constexpr int w = SightGrid::width, h = SightGrid::height;
-  const Mask* mask;
-  const Image* image;
+  const Cutout* cutout;
   Frame box;
   Sight plain;
   std::vector<bool> enclosed;
@@ -117,7 +112,8 @@ private:
 inline std::vector<NearestModel> retrieve(std::span<const float> rows, std::span<const int> first, const Mask& vehicle,
                                           const Image& photo, int k, const RetrieveOptions& options = {}) {
   using namespace detail;
-  Guessed guessed(vehicle, photo);
+  const Cutout cutout(vehicle, photo);
+  Guessed guessed(cutout);
   guessed.add({Guess::nothing, 0, 0, {}});
   guessed.add({Guess::between, 0, 0, {}});
   for (const float part : options.corners)
@@ -163,7 +159,7 @@ inline std::vector<NearestModel> retrieve(std::span<const float> rows, std::span
     std::vector<int> kept;
     for (std::size_t i = 0; i < few && kept.size() < 5; ++i)
       if (std::find(kept.begin(), kept.end(), by[i]) == kept.end()) kept.push_back(by[i]);
-    Guessed finer(vehicle, photo);
+    Guessed finer(cutout);
     for (const int g : kept)
       for (int move = -1; move < 8; ++move) {
         Guess moved = guessed.guesses[std::size_t(g)];
