@@ -23,6 +23,7 @@ struct Cutout {
   Image image;
   Frame box;
 
+  Cutout() = default;
   Cutout(const Mask& vehicle, const Image& photo) {
     check_photo(vehicle, photo);
     const Frame f = frame_of(vehicle);
@@ -35,6 +36,31 @@ struct Cutout {
     const float sx = float(mask.width) / float(w), sy = float(mask.height) / float(h);
     box = {(f.x0 - float(x0)) * sx, (f.y0 - float(y0)) * sy, (f.x1 - float(x0)) * sx, (f.y1 - float(y0)) * sy};
     for (float& v : image.values) v = std::sqrt(std::clamp(v, 0.0f, 1.0f));
+  }
+  /// The same turned by an angle (rad) about its middle, with the box of the turned mask.
+  Cutout turned(float angle) const {
+    if (angle == 0) return *this;
+    const float c = std::cos(angle), s = std::sin(angle), w = float(mask.width), h = float(mask.height);
+    const int more = int(std::ceil(0.5f * std::abs(s) * std::max(w, h))) + 1;
+    Cutout out;
+    out.mask = Mask(mask.width + 2 * more, mask.height + 2 * more), out.image = Image(out.mask.width, out.mask.height);
+    for (int y = 0; y < out.mask.height; ++y)
+      for (int x = 0; x < out.mask.width; ++x) {
+        const float u = float(x - more) + 0.5f - 0.5f * w, v = float(y - more) + 0.5f - 0.5f * h;
+        const float px = c * u - s * v + 0.5f * w - 0.5f, py = s * u + c * v + 0.5f * h - 0.5f;
+        const int i = int(std::floor(px)), j = int(std::floor(py));
+        const float a = px - float(i), b = py - float(j);
+        vec3<float> color;
+        for (int k = 0; k < 4; ++k) {
+          const float part = (k & 1 ? a : 1 - a) * (k & 2 ? b : 1 - b);
+          const int x1 = i + (k & 1), y1 = j + (k >> 1);
+          if (x1 >= 0 && x1 < mask.width && y1 >= 0 && y1 < mask.height) out.mask.at(x, y) += part * mask.at(x1, y1);
+          color = color + image.at(std::clamp(x1, 0, mask.width - 1), std::clamp(y1, 0, mask.height - 1)) * part;
+        }
+        out.image.set(x, y, color);
+      }
+    out.box = frame_of(out.mask);
+    return out;
   }
   Sight sight(const Frame& at) const {
     return sight_of(
@@ -72,8 +98,8 @@ inline std::vector<float> describe(const GBuffer& seen) {
 }
 
 struct ViewOptions {
-  int azimuths = 36;                                     ///< all round, both sides
-  std::vector<float> elevations = {0.03f, 0.16f, 0.35f};  ///< rad
+  int azimuths = 48;                                           ///< all round, both sides
+  std::vector<float> elevations = {0.02f, 0.14f, 0.26f, 0.4f};  ///< rad
   float distance = 2.5f;                                 ///< of the camera, in diagonals of the vehicle's box
   int pixels = 160;                                      ///< the longer side of the picture, filled by the vehicle
 };

@@ -26,6 +26,7 @@ struct RetrieveOptions {
   int candidates = 600;                                     ///< rows that are compared by what is known
   int refined = 20;                                         ///< models that the best guesses are moved for
   float step = 0.04f;                                       ///< by which they are moved
+  float roll = 0.035f;                                      ///< rad, by which the photo is turned either way
 };
 
 namespace detail {
@@ -132,10 +133,10 @@ inline std::vector<NearestModel> retrieve(std::span<const float> rows, std::span
     for (const Nearest& n : nearest(rows, view_numbers, asked, options.candidates)) chosen.push_back(n.row);
   }
   // Of the chosen rows the best by model, and by which guess.
-  const auto compare = [&](const Guessed& by, std::span<const int> among) {
+  const auto compare = [&](const Guessed& guesses, std::span<const int> among) {
     std::vector<NearestModel> best;
     std::vector<int> guess;
-    const std::vector<Known> found = known_cosines(rows, view_numbers, among, by.numbers, by.known);
+    const std::vector<Known> found = known_cosines(rows, view_numbers, among, guesses.numbers, guesses.known);
     std::vector<int> place(first.size(), -1);
     for (std::size_t i = 0; i < among.size(); ++i) {
       const int m = model_of[std::size_t(among[i])];
@@ -159,19 +160,28 @@ inline std::vector<NearestModel> retrieve(std::span<const float> rows, std::span
     std::vector<int> kept;
     for (std::size_t i = 0; i < few && kept.size() < 5; ++i)
       if (std::find(kept.begin(), kept.end(), by[i]) == kept.end()) kept.push_back(by[i]);
-    Guessed finer(cutout);
-    for (const int g : kept)
-      for (int move = -1; move < 8; ++move) {
-        Guess moved = guessed.guesses[std::size_t(g)];
-        if (move >= 0) moved.moved[std::size_t(move / 2)] += move % 2 ? options.step : -options.step;
-        finer.add(moved);
-      }
-    std::vector<int> among;
-    for (const int row : chosen)
-      for (std::size_t i = 0; i < few; ++i)
-        if (best[i].model == model_of[std::size_t(row)]) among.push_back(row);
-    const auto [again, unused] = compare(finer, among);
-    std::copy(again.begin(), again.end(), best.begin());
+    std::erase_if(chosen, [&, &found = best](int row) {
+      return std::none_of(found.begin(), found.begin() + std::ptrdiff_t(few),
+                          [&](const auto& f) { return f.model == model_of[std::size_t(row)]; });
+    });
+    std::vector<NearestModel> finest(best.begin(), best.begin() + std::ptrdiff_t(few));
+    for (const float roll : {0.0f, -options.roll, options.roll}) {
+      if (roll != 0 && !(options.roll > 0)) break;
+      const Cutout turned = cutout.turned(roll);
+      Guessed finer(turned);
+      for (const int g : kept)
+        for (int move = -1; move < 8; ++move) {
+          Guess moved = guessed.guesses[std::size_t(g)];
+          if (move >= 0) moved.moved[std::size_t(move / 2)] += move % 2 ? options.step : -options.step;
+          finer.add(moved);
+        }
+      for (const NearestModel& again : compare(finer, chosen).first)
+        for (NearestModel& f : finest)
+          if (f.model == again.model && again.cosine > f.cosine) f = again;
+    }
+    std::stable_sort(finest.begin(), finest.end(),
+                     [](const NearestModel& x, const NearestModel& y) { return x.cosine > y.cosine; });
+    std::copy(finest.begin(), finest.end(), best.begin());
   }
   best.resize(std::min(best.size(), std::size_t(std::max(k, 0))));
   return best;
