@@ -93,7 +93,9 @@ private:
         for (int k = int(std::ceil(center - reach)); k <= int(std::floor(center + reach)); ++k) {
           const float weight = std::max(0.0f, 1 - std::abs(float(k) - center) / reach);
           sum += weight;
-          if (k >= 0 && k < old && weight > 0) at.emplace_back(k, weight), low = std::min(low, k), high = std::max(high, k + 1);
+          if (k < 0 || k >= old || !(weight > 0)) continue;
+          at.emplace_back(k, weight);
+          low = std::min(low, k), high = std::max(high, k + 1);
         }
         for (auto& tap : at) tap.second /= sum;
       }
