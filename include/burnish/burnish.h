@@ -66,5 +66,6 @@
 #include <burnish/fit/planes.h>
 #include <burnish/fit/play.h>
 #include <burnish/fit/render.h>
+#include <burnish/twin/parts.h>
 #include <burnish/twin/pose.h>
 #include <burnish/version.h>
