@@ -66,7 +66,7 @@ inline AssignedParts assign_parts(const Raycaster& scene, const AssignOptions& o
   out.parts.resize(n);
   std::vector<bool> told(n), fixed(n);  // told: by name or mask
   for (std::size_t p = 0; p < n; ++p) {
-    std::vector<PartWitness> w{shape_witness(shapes[p], mesh.parts[p]), opacity_witness(shapes[p], mesh.parts[p])};
+    std::vector<PartWitness> w{shape_witness(shapes[p], mesh.parts[p], !wheels.empty()), opacity_witness(shapes[p], mesh.parts[p])};
     if (options.names) w.push_back(name_witness(mesh.parts[p]));
     told[p] = options.names && !w.back().says.empty();
     if (votes[p].iou > options.threshold) w.push_back(vote_witness(votes[p], options.threshold)), told[p] = true;
@@ -102,7 +102,7 @@ inline AssignedParts assign_parts(const Raycaster& scene, const AssignOptions& o
     if (!free(p) || shapes[p].open < 0.2f) continue;
     const auto b = beside.find(mesh.parts[p].material_index);
     const double near = b == beside.end() ? 0 : b->second / all_beside;
-    score[mesh.parts[p].material_index] += double(shapes[p].share) * (0.35 + near) *
+    score[mesh.parts[p].material_index] += double(shapes[p].share) * (0.2 + near) *
                                            (options.names && told_paint(mesh.parts[p]) ? 3 : 1);
   }
   const auto largest = std::max_element(score.begin(), score.end(), [](const auto& a, const auto& b) { return a.second < b.second; });

@@ -39,18 +39,19 @@ inline float chroma(const vec3<float>& c) {
 inline float like_panes(const PartShape& s) {
   using detail::ramp;
   return ramp(s.above, 0.7f, 0.92f) * ramp(s.up, 0.4f, 0.15f) * ramp(s.open, 0.3f, 0.55f) *
-         ramp(s.smooth, 0.12f, 0.3f) * ramp(s.share, 0.45f, 0.3f) * ramp(s.share, 0.001f, 0.004f) *
+         ramp(s.smooth, 0.1f, 0.25f) * ramp(s.share, 0.45f, 0.3f) * ramp(s.share, 0.001f, 0.004f) *
          ramp(s.height, 0.48f, 0.56f);
 }
 /// How much a part is placed like head and tail lights: small, at the ends, at mid height, on both sides.
 inline float like_lights(const PartShape& s) {
   using detail::ramp;
-  return ramp(s.ends, 0.75f, 0.95f) * ramp(s.share, 0.06f, 0.02f) * ramp(s.height, 0.12f, 0.25f) *
-         ramp(s.height, 0.8f, 0.65f) * ramp(s.aside, 0.35f, 0.55f) * ramp(s.balance, 0.3f, 0.7f);
+  return ramp(s.ends, 0.75f, 0.95f) * ramp(s.share, 0.05f, 0.025f) * ramp(s.height, 0.12f, 0.25f) *
+         ramp(s.height, 0.8f, 0.65f) * ramp(s.aside, 0.35f, 0.5f) * ramp(s.middle, 0.35f, 0.15f) *
+         ramp(s.balance, 0.3f, 0.7f);
 }
 
-/// What the shape says.
-inline PartWitness shape_witness(const PartShape& s, const Part& part) {
+/// What the shape says; any_wheels: whether wheels were found at all.
+inline PartWitness shape_witness(const PartShape& s, const Part& part, bool any_wheels) {
   using enum PartKind;
   using detail::percent;
   if (s.pixels == 0) {
@@ -70,7 +71,10 @@ inline PartWitness shape_witness(const PartShape& s, const Part& part) {
   const float panes = like_panes(s), lights = like_lights(s);
   const float dark = detail::ramp(luminance(s.color), 0.2f, 0.05f);
   const bool clear = part.opacity < 0.9f;
-  w[window] = 0.02f + panes * (clear ? 1 : 0.55f + 0.25f * dark * (1 - detail::chroma(s.color)));
+  // Panes are clear, dark, grey or blueish, hardly ever red, yellow or brown.
+  const float warm = detail::chroma(s.color) * detail::ramp(s.color.x - s.color.z, 0.02f, 0.1f);
+  for (const PartKind k : {tyre, rim, wheel}) w[k] = any_wheels ? 0.002f : 0.01f;
+  w[window] = 0.02f + panes * (clear ? 1 : (0.55f + 0.25f * dark) * (1 - 0.9f * std::min(1.0f, 1.6f * warm)));
   w[light] = 0.02f + 0.6f * lights * (clear || detail::chroma(s.color) > 0.6f || luminance(s.color) > 0.5f ? 1 : 0.5f);
   const float outer = detail::ramp(s.open, 0.15f, 0.5f);
   w[body] = 0.02f + 0.5f * outer * detail::ramp(s.share, 0.002f, 0.05f) * (1 - panes) * (1 - 0.7f * lights);
@@ -97,18 +101,18 @@ inline PartWitness opacity_witness(const PartShape& s, const Part& part) {
 inline PartWitness name_witness(const Part& part) {
   using enum PartKind;
   PartWitness w(1, "");
-  if (told_paint(part) && !told_kind(part)) {
-    w = PartWitness(0.15f, "name " + part.material);
-    w[body] = 1;
-    return w;
-  }
-  const auto told = part.opacity < 0.75f ? told_kind([&] { Part p = part; p.opacity = 0.8f; return p; }()) : told_kind(part);
-  if (!told) return w;
-  w = PartWitness(0.06f, "name " + (detail::told_by_words(detail::words(part.material), part.opacity) ? part.material : part.name));
-  w[*told] = 1;
-  if (is_wheel(*told))
+  Part nameless_opacity = part;
+  nameless_opacity.opacity = std::max(part.opacity, 0.8f);  // the opacity has a witness of its own
+  const auto told = told_kind(nameless_opacity);
+  if (!told && !told_paint(part)) return w;
+  w = PartWitness(0.02f, "name " + (told_by_material(part) || !told ? part.material : part.name));
+  w[told.value_or(body)] = 1;
+  if (!told) w.factor[std::size_t(other)] = 0.1f;
+  else if (is_wheel(*told)) {
     for (const PartKind k : {tyre, rim, wheel}) w[k] = std::max(w[k], 0.3f);
-  if (*told == other) w.factor = {0.2f, 0.15f, 0.5f, 0.4f, 0.6f, 0.3f, 1};
+  } else if (*told == other) {
+    w.factor = {0.1f, 0.1f, 0.5f, 0.4f, 0.6f, 0.2f, 1};
+  }
   return w;
 }
 

@@ -40,11 +40,12 @@ struct PartShape {
   float inner = 0, outer = 0; // 8th and 95th percentile of the distance from the wheel's axis, in its radii
   float height = 0;           // mean, in parts of the roof's height
   float above = 0;            // above 0.45 of the roof's height: where a car has its windows
-  float up = 0;               // facing up, within 30 degrees
+  float up = 0;               // facing up, within 17 degrees, as a roof does and hardly a windscreen
   float ends = 0;             // in the foremost and rearmost seventh of the length
   float aside = 0;            // mean distance from the middle plane, in half widths
+  float middle = 0;           // in the middle three tenths of the width
   float balance = 0;          // pixels on the weaker side against those on the stronger
-  float smooth = 0;           // with the same part, of nearly the same normal, 1/85 of the picture away on all sides
+  float smooth = 0;           // with the same part, of nearly the same normal, 1/128 of the picture away on all sides
   float open = 0;             // of the rays from it into its hemisphere (cosine), how many leave the vehicle
   vec3<float> color;          // mean, linear RGB, as the file has it
   float spread = 0;           // standard deviation of its colour's luminance
@@ -87,7 +88,7 @@ inline std::vector<PartShape> part_shapes(const Raycaster& scene, const std::vec
     const GBuffer& g = views[v];
     std::vector<int> at(std::size_t(g.width) * std::size_t(g.height), -1);
     for (int i = 0; i < g.size(); ++i) at[std::size_t(g.pixel[std::size_t(i)])] = i;
-    const int step = std::max(1, g.width / 85);
+    const int step = std::max(1, g.width / 128);
     for (int i = 0; i < g.size(); ++i, ++all) {
       const std::size_t p = std::size_t(g.part[std::size_t(i)]);
       PartShape& shape = out[p];
@@ -98,7 +99,8 @@ inline std::vector<PartShape> part_shapes(const Raycaster& scene, const std::vec
       sum.height += double(y), sum.aside += double(std::abs(z));
       (z < 0 ? sum.left : sum.right) += 1;
       shape.above += y > 0.45f;
-      shape.up += s.normal.y > 0.866f;
+      shape.up += s.normal.y > 0.956f;
+      shape.middle += std::abs(z) < 0.3f;
       shape.ends += std::abs(s.position.x - box.center().x) > 0.714f * half.x;
       const vec3<float> c = mesh.color(mesh.parts[p], s.uv);
       shape.color = shape.color + c;
@@ -128,7 +130,7 @@ inline std::vector<PartShape> part_shapes(const Raycaster& scene, const std::vec
     for (std::size_t k = 0; k < places.size(); k += 1 + places.size() / 64) {
       const GBuffer& g = views[std::size_t(places[k].first)];
       const vec3<float> n = g.geometric_normal(places[k].second), from = g.at(places[k].second).position;
-      const vec3<float> t = normalize(std::abs(n.y) < 0.9f ? cross(n, vec3<float>(0, 1, 0)) : cross(n, vec3<float>(1, 0, 0)));
+      const vec3<float> t = normalize(cross(n, std::abs(n.y) < 0.9f ? vec3<float>(0, 1, 0) : vec3<float>(1, 0, 0)));
       const vec3<float> b = cross(n, t);
       for (const vec3<float>& d : hemisphere) {
         origins.push_back(Raycaster::lift(from + n * (0.002f * half.x), n));
@@ -147,7 +149,7 @@ inline std::vector<PartShape> part_shapes(const Raycaster& scene, const std::vec
     if (s.pixels == 0) continue;
     const float n = float(s.pixels);
     s.share = n / float(all);
-    for (float* x : {&s.wheel, &s.above, &s.up, &s.ends, &s.smooth}) *x /= n;
+    for (float* x : {&s.wheel, &s.above, &s.up, &s.ends, &s.middle, &s.smooth}) *x /= n;
     s.height = float(sum.height) / n, s.aside = float(sum.aside) / n;
     s.balance = float(std::min(sum.left, sum.right) / std::max({sum.left, sum.right, 1.0}));
     s.color = s.color / n;

@@ -86,18 +86,26 @@ inline std::optional<PartKind> told_by_words(const std::string& w, float opacity
 }
 }  // namespace detail
 
-/// What a part's words and opacity tell: first its material's, then its own; nothing when they do not.
+/// Whether the material's name calls it the paint.
+inline bool told_paint(const Part& p) {
+  return detail::any_of(detail::words(p.material),
+                        {"paint", "body", "carroc", "pintura", "firstcolor", "main_color", "lack_", "carross", "vernice"});
+}
+/// Whether the name of the material tells something.
+inline bool told_by_material(const Part& p) {
+  const std::string w = detail::words(p.material);
+  return told_paint(p) || detail::told_by_words(w, p.opacity);
+}
+/// What a part's words and opacity tell: first its material's, then its own; nothing when they do not. A material that
+/// is called paint tells nothing here, whatever its colour is called, but that it may be the body.
 inline std::optional<PartKind> told_kind(const Part& p) {
-  if (const auto kind = detail::told_by_words(detail::words(p.material), p.opacity)) return kind;
+  const std::string material = detail::words(p.material);
+  if (detail::any_of(material, {"paint", "pintura"}) && !detail::any_of(material, {"black"})) return {};
+  if (const auto kind = detail::told_by_words(material, p.opacity)) return kind;
   if (const auto kind = detail::told_by_words(detail::words("", p.name), p.opacity)) return kind;
   if (detail::any_of(detail::words(p.material, p.name), {"wheel", "wheek", "roda_", "roue_"})) return PartKind::wheel;
   if (p.opacity < 0.75f) return PartKind::window;
   return {};
-}
-/// Whether the material's name calls it the paint.
-inline bool told_paint(const Part& p) {
-  return detail::any_of(detail::words(p.material),
-                        {"paint", "body", "carroc", "pintura", "firstcolor", "main_color", "lack", "carross"});
 }
 
 }  // namespace burnish

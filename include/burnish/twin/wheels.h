@@ -12,30 +12,35 @@
 
 namespace burnish {
 
-/// A cylinder across the vehicle; a wheel that is steered lies in one that is wider and a little longer than high.
+/// A cylinder across the vehicle; a wheel that is steered lies in one that is wider and a little longer than high. A
+/// spare wheel that hangs at the rear lies along it.
 struct Wheel {
   vec3<float> center;
-  float half_length = 0, radius = 0, half_width = 0;  // along x, along y, along z; metres
+  float half_length = 0, radius = 0, half_width = 0;  // in its plane, level; upright; along its axis; metres
+  bool spare = false;
 
   /// The distance from the axis in radii; huge beside the wheel.
   float radius_at(const vec3<float>& p) const {
-    const float u = (p.x - center.x) / half_length, v = (p.y - center.y) / radius;
-    return std::abs(p.z - center.z) > half_width + 0.15f * radius ? 1e9f : std::sqrt(u * u + v * v);
+    const vec3<float> d = p - center;
+    const float u = (spare ? d.z : d.x) / half_length, v = d.y / radius;
+    return std::abs(spare ? d.x : d.z) > half_width + 0.15f * radius ? 1e9f : std::sqrt(u * u + v * v);
   }
 };
 
 namespace detail {
-/// Whether points are the outline of a wheel seen from the side: round, all round, and as thick as wheels are.
-inline bool round_from_side(const std::vector<vec3<float>>& points, Wheel& wheel) {
+/// Whether points are the outline of a wheel seen along its axis: round, all round, and as thick as wheels are.
+inline bool round_along_axis(const std::vector<vec3<float>>& points, bool spare, Wheel& wheel) {
   Box box;
   for (const vec3<float>& p : points) box.add(p);
-  const vec3<float> half = box.size() * 0.5f;
-  if (points.size() < 8 || !(half.y > 0) || half.x < 0.85f * half.y || half.x > 1.3f * half.y || half.z > 0.9f * half.y)
+  const vec3<float> size = box.size() * 0.5f;
+  const float along = spare ? size.z : size.x, thick = spare ? size.x : size.z;
+  if (points.size() < 8 || !(size.y > 0) || along < 0.85f * size.y || along > 1.3f * size.y || thick > 0.9f * size.y)
     return false;
-  wheel = {box.center(), half.x, half.y, half.z};
+  wheel = {box.center(), along, size.y, thick, spare};
   std::array<float, 12> reach{};
   for (const vec3<float>& p : points) {
-    const float u = (p.x - wheel.center.x) / half.x, v = (p.y - wheel.center.y) / half.y, r = std::sqrt(u * u + v * v);
+    const vec3<float> d = p - wheel.center;
+    const float u = (spare ? d.z : d.x) / along, v = d.y / size.y, r = std::sqrt(u * u + v * v);
     if (r > 1.13f) return false;
     float& most = reach[std::size_t(std::clamp(int((std::atan2(v, u) / 6.2831853f + 0.5f) * 12), 0, 11))];
     most = std::max(most, r);
@@ -44,24 +49,31 @@ inline bool round_from_side(const std::vector<vec3<float>>& points, Wheel& wheel
 }
 }  // namespace detail
 
-/// The wheels on the ground, none when there are none or they hang together with other things. Candidates are the
-/// connected pieces, and what of one part lies in one place; round, of 0.2 to 0.8 of the vehicle's height, standing
-/// on the ground, and with a twin on the other side.
+/// The wheels, none when there are none or they hang together with other things. Candidates are the connected pieces,
+/// and what of one part lies in one quarter of the vehicle. A wheel is round, 0.18 to 0.8 of the vehicle's height,
+/// stands on the ground and has a twin on the other side; a spare wheel hangs at the rear and is as large as they are,
+/// or, where there are none, 0.3 to 0.6 of the vehicle's height.
 inline std::vector<Wheel> find_wheels(const Mesh& m) {
+  if (m.triangles.empty()) return {};
   const Box box = bounds(m);
   const float high = box.size().y, wide = box.size().z;
-  std::vector<Wheel> found;
+  std::vector<Wheel> found, spares;
   const auto consider = [&](const std::vector<vec3<float>>& points) {
     Wheel w;
-    if (!detail::round_from_side(points, w)) return;
-    const float low = w.center.y - w.radius - box.low.y;
-    if (low > 0.3f * w.radius || w.radius < 0.1f * high || w.radius > 0.4f * high) return;
-    if (std::abs(w.center.z - box.center().z) < 0.15f * wide) return;
-    found.push_back(w);
+    if (detail::round_along_axis(points, false, w)) {
+      const float low = w.center.y - w.radius - box.low.y;
+      if (low < 0.3f * w.radius && w.radius > 0.09f * high && w.radius < 0.4f * high &&
+          std::abs(w.center.z - box.center().z) > 0.15f * wide)
+        found.push_back(w);
+    } else if (detail::round_along_axis(points, true, w)) {
+      if (w.center.x - w.half_width < box.low.x + 0.12f * box.size().x && w.radius > 0.15f * high &&
+          w.radius < 0.3f * high)
+        spares.push_back(w);
+    }
   };
   const std::vector<int> piece = detail::pieces(m, detail::weld(m));
-  std::vector<std::vector<vec3<float>>> points(std::size_t(m.triangles.empty() ? 0 : 1 + *std::max_element(piece.begin(), piece.end())));
-  std::map<std::pair<int, int>, std::vector<vec3<float>>> clusters;  // by part and quarter of the vehicle
+  std::vector<std::vector<vec3<float>>> points(std::size_t(*std::max_element(piece.begin(), piece.end())) + 1);
+  std::map<std::pair<int, int>, std::vector<vec3<float>>> clusters;  // by part and quarter
   for (std::size_t t = 0; t < m.triangles.size(); ++t)
     for (int v : m.triangles[t]) {
       const vec3<float> p = m.positions[std::size_t(v)];
@@ -71,11 +83,13 @@ inline std::vector<Wheel> find_wheels(const Mesh& m) {
   for (const auto& p : points) consider(p);
   for (const auto& [key, p] : clusters) consider(p);
 
-  std::sort(found.begin(), found.end(), [](const Wheel& a, const Wheel& b) { return a.radius > b.radius; });
-  std::vector<Wheel> wheels;
+  // One wheel of all that share an axis: the largest, as thick as all together.
   const auto near = [](const Wheel& a, float x, float z) {
     return std::abs(a.center.x - x) < 0.5f * a.radius && std::abs(a.center.z - z) < a.half_width + 0.7f * a.radius;
   };
+  const auto larger = [](const Wheel& a, const Wheel& b) { return a.radius > b.radius; };
+  std::stable_sort(found.begin(), found.end(), larger), std::stable_sort(spares.begin(), spares.end(), larger);
+  std::vector<Wheel> wheels;
   for (const Wheel& w : found) {
     const auto same = std::find_if(wheels.begin(), wheels.end(),
                                    [&](const Wheel& a) { return near(a, w.center.x, w.center.z); });
@@ -84,17 +98,25 @@ inline std::vector<Wheel> find_wheels(const Mesh& m) {
       continue;
     }
     const float low = std::min(same->center.z - same->half_width, w.center.z - w.half_width),
-                high_z = std::max(same->center.z + same->half_width, w.center.z + w.half_width);
-    same->center.z = 0.5f * (low + high_z), same->half_width = 0.5f * (high_z - low);
+                top = std::max(same->center.z + same->half_width, w.center.z + w.half_width);
+    same->center.z = 0.5f * (low + top), same->half_width = 0.5f * (top - low);
   }
-  std::vector<Wheel> paired;
+  std::vector<Wheel> out;
   for (const Wheel& w : wheels)
     if (std::any_of(wheels.begin(), wheels.end(), [&](const Wheel& a) {
           return &a != &w && std::abs(a.radius - w.radius) < 0.15f * w.radius &&
                  near(a, w.center.x, 2 * box.center().z - w.center.z);
         }))
-      paired.push_back(w);
-  return paired;
+      out.push_back(w);
+  const std::size_t standing = out.size();
+  for (const Wheel& w : spares) {
+    const bool known = std::any_of(out.begin(), out.end(), [&](const Wheel& a) {
+      return a.spare && std::abs(a.center.y - w.center.y) + std::abs(a.center.z - w.center.z) < 0.5f * a.radius;
+    });
+    if (known || (standing > 0 && std::abs(w.radius - out[0].radius) > 0.3f * out[0].radius)) continue;
+    out.push_back(w);
+  }
+  return out;
 }
 
 }  // namespace burnish
