@@ -62,11 +62,25 @@ inline AssignedParts assign_parts(const Raycaster& scene, const AssignOptions& o
   const std::vector<PartVote> votes =
       options.labels.empty() ? std::vector<PartVote>(n) : vote_parts(views, options.labels);
 
+  // A hatch or a bonnet is shaped like a pane; but then most of its material is not.
+  std::map<int, std::pair<double, double>> panes;  // by material: what is shaped so, and all but the wheels
+  for (std::size_t p = 0; p < n; ++p) {
+    auto& [like, all] = panes[mesh.parts[p].material_index];
+    const double area = double(shapes[p].share) * double(1 - shapes[p].wheel);
+    like += area * double(like_panes(shapes[p])), all += area;
+  }
+
   AssignedParts out;
   out.parts.resize(n);
   std::vector<bool> told(n), fixed(n);  // told: by name or mask
   for (std::size_t p = 0; p < n; ++p) {
-    std::vector<PartWitness> w{shape_witness(shapes[p], mesh.parts[p], !wheels.empty()), opacity_witness(shapes[p], mesh.parts[p])};
+    const auto& [like, all] = panes[mesh.parts[p].material_index];
+    const float material = all > 0 ? detail::ramp(float(like / all), 0.2f, 0.5f) : 0;
+    // A pane too narrow for the views is one when the rest of its material is.
+    const float own = like_panes(shapes[p]), pane = shapes[p].share < 0.02f && material > 0.9f && shapes[p].above > 0.7f
+                                                        ? std::max(own, 0.7f) : own * material;
+    std::vector<PartWitness> w{shape_witness(shapes[p], mesh.parts[p], !wheels.empty(), pane),
+                               opacity_witness(shapes[p], mesh.parts[p])};
     if (options.names) w.push_back(name_witness(mesh.parts[p]));
     told[p] = options.names && !w.back().says.empty();
     if (votes[p].iou > options.threshold) w.push_back(vote_witness(votes[p], options.threshold)), told[p] = true;
@@ -103,7 +117,7 @@ inline AssignedParts assign_parts(const Raycaster& scene, const AssignOptions& o
     const auto b = beside.find(mesh.parts[p].material_index);
     const double near = b == beside.end() ? 0 : b->second / all_beside;
     score[mesh.parts[p].material_index] += double(shapes[p].share) * (0.2 + near) *
-                                           (options.names && told_paint(mesh.parts[p]) ? 3 : 1);
+                                           (options.names && name_hints(mesh.parts[p].material).paint ? 3 : 1);
   }
   const auto largest = std::max_element(score.begin(), score.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
   const int main = largest == score.end() ? -1 : largest->first;
@@ -116,6 +130,8 @@ inline AssignedParts assign_parts(const Raycaster& scene, const AssignOptions& o
     area += double(shapes[p].share), paint = paint + shapes[p].color * shapes[p].share, paint_open += shapes[p].open * shapes[p].share;
   }
   if (area > 0) paint = paint / float(area), paint_open /= float(area);
+  // Exporters write light greys where they know no colour.
+  const bool untold = detail::apart(paint, vec3<float>(paint.y)) < 0.01f && paint.y > 0.45f;
   for (std::size_t p = 0; p < n; ++p) {
     if (!free(p) || area == 0) continue;
     PartGuess& g = out.parts[p];
@@ -127,10 +143,10 @@ inline AssignedParts assign_parts(const Raycaster& scene, const AssignOptions& o
     if (same && !given_body) {
       g.kind = body, g.confidence = std::max(g.confidence, std::clamp(0.6f + float(area), 0.0f, 0.95f));
       g.reason += (g.reason.empty() ? "" : ", ") + std::string("the largest that remains");
-    } else if (outside && away < 0.06f && part.opacity > 0.9f && (s.share > 0.004f || s.spread < 0.02f)) {
+    } else if (outside && away < 0.06f && part.opacity > 0.9f && (!untold || (s.share > 0.03f && s.smooth > 0.3f))) {
       g.kind = body, g.confidence = 0.75f, g.reason += (g.reason.empty() ? "" : ", ") + std::string("coloured like the body");
-    } else if (outside && s.share > 0.05f && luminance(s.color) > 0.08f && s.smooth > 0.3f && b != beside.end() &&
-               b->second > 0.15 * all_beside) {
+    } else if (outside && luminance(s.color) > 0.08f && s.smooth > 0.3f &&
+               (double(s.share) > area || (s.share > 0.05f && b != beside.end() && b->second > 0.15 * all_beside))) {
       g.kind = body, g.confidence = 0.55f, g.reason += (g.reason.empty() ? "" : ", ") + std::string("a second colour of the body");
     } else {
       g.kind = other, g.confidence = std::clamp(0.5f + (outside ? 0.0f : 0.3f) + 0.3f * detail::ramp(s.share, 0.05f, 0.005f), 0.0f, 0.9f);

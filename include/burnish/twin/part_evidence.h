@@ -50,8 +50,9 @@ inline float like_lights(const PartShape& s) {
          ramp(s.balance, 0.3f, 0.7f);
 }
 
-/// What the shape says; any_wheels: whether wheels were found at all.
-inline PartWitness shape_witness(const PartShape& s, const Part& part, bool any_wheels) {
+/// What the shape says. any_wheels: whether wheels were found at all. panes: like_panes, or less where the rest of its
+/// material is nothing like panes.
+inline PartWitness shape_witness(const PartShape& s, const Part& part, bool any_wheels, float panes) {
   using enum PartKind;
   using detail::percent;
   if (s.pixels == 0) {
@@ -68,7 +69,7 @@ inline PartWitness shape_witness(const PartShape& s, const Part& part, bool any_
     w.says = percent(s.wheel) + " inside the wheels, radius " + percent(s.inner) + " to " + percent(s.outer);
     return w;
   }
-  const float panes = like_panes(s), lights = like_lights(s);
+  const float lights = like_lights(s);
   const float dark = detail::ramp(luminance(s.color), 0.2f, 0.05f);
   const bool clear = part.opacity < 0.9f;
   // Panes are clear, dark, grey or blueish, hardly ever red, yellow or brown.
@@ -97,23 +98,31 @@ inline PartWitness opacity_witness(const PartShape& s, const Part& part) {
   return w;
 }
 
-/// What the name says.
-inline PartWitness name_witness(const Part& part) {
+/// What a name says. doubt: the factor of what it does not say; nodes are named with less care than materials.
+inline PartWitness name_witness(const std::string& name, float doubt) {
   using enum PartKind;
+  const NameHints h = name_hints(name);
   PartWitness w(1, "");
-  Part nameless_opacity = part;
-  nameless_opacity.opacity = std::max(part.opacity, 0.8f);  // the opacity has a witness of its own
-  const auto told = told_kind(nameless_opacity);
-  if (!told && !told_paint(part)) return w;
-  w = PartWitness(0.02f, "name " + (told_by_material(part) || !told ? part.material : part.name));
-  w[told.value_or(body)] = 1;
-  if (!told) w.factor[std::size_t(other)] = 0.1f;
-  else if (is_wheel(*told)) {
-    for (const PartKind k : {tyre, rim, wheel}) w[k] = std::max(w[k], 0.3f);
-  } else if (*told == other) {
-    w.factor = {0.1f, 0.1f, 0.5f, 0.4f, 0.6f, 0.2f, 1};
-  }
+  if (!h.any()) return w;
+  w = PartWitness(doubt, "name " + name);
+  const bool paint = h.paint && !(h.rest && !h.color);
+  if (h.glass) {
+    w[window] = 1;
+    if (h.lamp || h.color) w[window] = w[light] = 1;  // "brake light glass", "lights and glass": the place decides
+  } else if (paint && !h.lamp) w[body] = 1, w[other] = std::max(0.1f, doubt);
+  else if (h.tyre) w[tyre] = 1, w[wheel] = w[rim] = 0.3f;
+  else if (h.rim) w[rim] = 1, w[wheel] = w[tyre] = 0.3f;
+  else if (h.wheel) w[wheel] = 1, w[rim] = w[tyre] = 0.5f;
+  else if (h.lamp) w[light] = 1;
+  else if (h.rest) w.factor = {0.1f, 0.1f, 0.5f, 0.4f, 0.6f, 0.2f, 1};
+  else w.factor = {0.7f, 0.3f, 0.3f, 0.3f, 0.3f, 1, 0.5f};
+  if (h.rest && w[other] < 0.1f) w[other] = 0.1f;
   return w;
+}
+/// The material's name, or where it tells nothing the part's own.
+inline PartWitness name_witness(const Part& part) {
+  PartWitness w = name_witness(part.material, 0.02f);
+  return w.says.empty() ? name_witness(part.name, 0.1f) : w;
 }
 
 /// The kind with the largest product, its share of the sum, and the words of the witnesses that agree.

@@ -99,7 +99,7 @@ inline std::vector<PartShape> part_shapes(const Raycaster& scene, const std::vec
       sum.height += double(y), sum.aside += double(std::abs(z));
       (z < 0 ? sum.left : sum.right) += 1;
       shape.above += y > 0.45f;
-      shape.up += s.normal.y > 0.956f;
+      shape.up += g.geometric_normal(i).y > 0.956f;
       shape.middle += std::abs(z) < 0.3f;
       shape.ends += std::abs(s.position.x - box.center().x) > 0.714f * half.x;
       const vec3<float> c = mesh.color(mesh.parts[p], s.uv);

@@ -56,56 +56,37 @@ struct AssignedParts {
   }
 };
 
-namespace detail {
-inline bool any_of(const std::string& text, std::initializer_list<const char*> words) {
-  return std::any_of(words.begin(), words.end(), [&](const char* w) { return text.find(w) != std::string::npos; });
-}
-/// "_words_of_the_material_" or of the part.
-inline std::string words(const std::string& material, const std::string& name = "") {
-  Part p;
-  p.material = material, p.name = name;
-  return words_of(p);
-}
-/// What words tell; nothing when they do not. English, French, German, Italian, Spanish and Portuguese.
-inline std::optional<PartKind> told_by_words(const std::string& w, float opacity) {
-  const bool lamp =
-      any_of(w, {"light", "lamp", "optic", "_red", "orange", "yellow", "white", "indicator", "blinker", "luz", "faro",
-                 "phare", "scheinw", "_turn_"});
-  if (any_of(w, {"glass", "window", "windsh", "windsc", "vitre", "verre", "_glas", "vidro", "parabri", "scheibe",
-                 "ventan", "vetro", "cristal"}))
-    return lamp && opacity > 0.85f ? PartKind::light : PartKind::window;
-  if (any_of(w, {"tire", "tyre", "rubber", "pneu", "borracha", "reifen", "llanta"})) return PartKind::tyre;
-  if (any_of(w, {"_rim", "alloy", "hubcap", "felge", "jante", "cerchi"})) return PartKind::rim;
-  if (lamp) return PartKind::light;
-  if (any_of(w, {"chrom",     "interior", "interna",   "seat",     "plate",     "mirror",  "black",  "grill",
-                 "doorline",  "door_line", "metal_",   "steel",    "plastic",   "logo",    "badge",  "under",
-                 "exhaust",   "engine",   "reflector", "shadow",   "lowpart",   "holes",   "textured", "brake",
-                 "caliper",   "banco",    "painel",    "volante"}))
-    return PartKind::other;
-  return {};
-}
-}  // namespace detail
+/// What the words of a name hint at, English, French, German, Italian, Spanish or Portuguese; several may be true.
+struct NameHints {
+  bool glass = false, lamp = false, tyre = false, rim = false, wheel = false, paint = false;
+  bool color = false;  // red, white, ...: of lamps, now and then of paint
+  bool rest = false;   // chrome, seats, plastic and the like
 
-/// Whether the material's name calls it the paint.
-inline bool told_paint(const Part& p) {
-  return detail::any_of(detail::words(p.material),
-                        {"paint", "body", "carroc", "pintura", "firstcolor", "main_color", "lack_", "carross", "vernice"});
-}
-/// Whether the name of the material tells something.
-inline bool told_by_material(const Part& p) {
-  const std::string w = detail::words(p.material);
-  return told_paint(p) || detail::told_by_words(w, p.opacity);
-}
-/// What a part's words and opacity tell: first its material's, then its own; nothing when they do not. A material that
-/// is called paint tells nothing here, whatever its colour is called, but that it may be the body.
-inline std::optional<PartKind> told_kind(const Part& p) {
-  const std::string material = detail::words(p.material);
-  if (detail::any_of(material, {"paint", "pintura"}) && !detail::any_of(material, {"black"})) return {};
-  if (const auto kind = detail::told_by_words(material, p.opacity)) return kind;
-  if (const auto kind = detail::told_by_words(detail::words("", p.name), p.opacity)) return kind;
-  if (detail::any_of(detail::words(p.material, p.name), {"wheel", "wheek", "roda_", "roue_"})) return PartKind::wheel;
-  if (p.opacity < 0.75f) return PartKind::window;
-  return {};
+  bool any() const { return glass || lamp || tyre || rim || wheel || paint || color || rest; }
+};
+inline NameHints name_hints(const std::string& name) {
+  Part part;
+  part.name = name;
+  const std::string words = detail::words_of(part);
+  const auto has = [&](std::initializer_list<const char*> wanted) {
+    return std::any_of(wanted.begin(), wanted.end(), [&](const char* w) { return words.find(w) != words.npos; });
+  };
+  NameHints h;
+  h.glass = has({"glass", "window", "windsh", "windsc", "vitre", "verre", "_glas", "vidro", "parabri", "scheibe", "ventan",
+                 "vetro", "cristal"});
+  h.lamp = has({"light", "lamp", "optic", "indicator", "blinker", "luz", "luces", "faro_", "farol", "phare", "feux",
+                "scheinw", "_turn_", "lanterna", "lite_"});
+  h.tyre = has({"tire_", "tires", "tyre", "rubber", "pneu", "borracha", "reifen", "gomma"});
+  h.rim = has({"_rim", "alloy", "hubcap", "felge", "jante", "cerchi"});
+  h.wheel = has({"wheel", "wheek", "roda_", "roue_", "_rad_", "ruota", "rueda"}) && !has({"steer", "arch", "well"});
+  h.paint = has({"paint", "body", "carroc", "pintura", "firstcolor", "first_color", "main_color", "_lack", "carross",
+                 "vernice", "karosse"});
+  h.color = has({"_red_", "orange", "yellow", "white"});
+  h.rest = has({"chrom",     "interior", "interna",   "seat",      "plate",    "mirror",  "black",   "grill",   "doorline",
+                "door_line", "metal_",   "steel",     "plastic",   "logo",     "badge",   "under",   "exhaust", "engine",
+                "reflector", "shadow",   "lowpart",   "holes",     "textured", "brake",   "caliper", "banco_",  "painel",
+                "volante",   "motor_",   "armatur",   "dashboard", "sedile",   "asiento", "espelho"});
+  return h;
 }
 
 }  // namespace burnish
