@@ -49,6 +49,28 @@ inline std::map<int, double> beside_windows(const std::vector<GBuffer>& views, c
   }
   return out;
 }
+/// For every part the one that is its mirror image across the middle plane, by their boxes; itself where it is its own,
+/// -1 where there is none.
+inline std::vector<int> mirrored_parts(const Mesh& m) {
+  const Box box = bounds(m);
+  const float near = 0.01f * box.size().x;
+  std::vector<Box> boxes(m.parts.size());
+  for (std::size_t t = 0; t < m.triangles.size(); ++t)
+    for (int v : m.triangles[t]) boxes[std::size_t(m.part[t])].add(m.positions[std::size_t(v)]);
+  std::vector<int> out(m.parts.size(), -1);
+  for (std::size_t p = 0; p < out.size(); ++p) {
+    float best = near;
+    for (std::size_t q = 0; q < out.size(); ++q) {
+      if (boxes[p].low.x > boxes[p].high.x || boxes[q].low.x > boxes[q].high.x) continue;
+      const vec3<float> low(boxes[p].low.x, boxes[p].low.y, 2 * box.center().z - boxes[p].high.z),
+          high(boxes[p].high.x, boxes[p].high.y, 2 * box.center().z - boxes[p].low.z);
+      const vec3<float> a = low - boxes[q].low, b = high - boxes[q].high;
+      const float d = std::max({std::abs(a.x), std::abs(a.y), std::abs(a.z), std::abs(b.x), std::abs(b.y), std::abs(b.z)});
+      if (d < best) best = d, out[p] = int(q);
+    }
+  }
+  return out;
+}
 }  // namespace detail
 
 /// A kind for every part. Error for a given material that the mesh has not, or label images that do not fit.
@@ -86,6 +108,17 @@ inline AssignedParts assign_parts(const Raycaster& scene, const AssignOptions& o
     if (votes[p].iou > options.threshold) w.push_back(vote_witness(votes[p], options.threshold)), told[p] = true;
     out.parts[p] = judge(w, shapes[p].share);
   }
+  // Left and right are of one kind: that of which more is known.
+  const std::vector<int> mirrored = detail::mirrored_parts(mesh);
+  const auto weight = [&](std::size_t p) { return out.parts[p].confidence * (shapes[p].share + 1e-6f); };
+  for (std::size_t p = 0; p < n; ++p) {
+    if (mirrored[p] < 0 || out.parts[p].kind == out.parts[std::size_t(mirrored[p])].kind) continue;
+    const std::size_t q = std::size_t(mirrored[p]), from = weight(p) < weight(q) ? q : p, to = from == p ? q : p;
+    if (mesh.parts[from].material_index != mesh.parts[to].material_index) continue;
+    out.parts[to].kind = out.parts[from].kind;
+    out.parts[to].reason += (out.parts[to].reason.empty() ? "" : ", ") + std::string("as on the other side");
+    told[to] = told[to] || told[from];
+  }
   for (const GivenKind& g : options.given) {
     bool found = false;
     for (std::size_t p = 0; p < n; ++p) {
@@ -121,6 +154,7 @@ inline AssignedParts assign_parts(const Raycaster& scene, const AssignOptions& o
   }
   const auto largest = std::max_element(score.begin(), score.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
   const int main = largest == score.end() ? -1 : largest->first;
+  out.body_material = main;
   double area = 0;
   vec3<float> paint;
   float paint_open = 0;

@@ -48,6 +48,7 @@ struct PartGuess {
 struct AssignedParts {
   std::vector<PartGuess> parts;
   std::vector<std::string> notes;  // refusals and doubts, one line each
+  int body_material = -1;          // Part::material_index of the largest body; -1: none, or the user said what it is
 
   std::vector<PartKind> kinds() const {
     std::vector<PartKind> out;
