@@ -3,6 +3,7 @@
 #pragma once
 #include <burnish/ad/dual.h>
 #include <burnish/twin/edges.h>
+#include <burnish/twin/stretch.h>
 #include <burnish/twin/window.h>
 
 namespace burnish {
@@ -49,7 +50,7 @@ public:
     scale = 1 / *high;
   }
 
-  static constexpr std::size_t n = 7;  // numbers of a pose
+  static constexpr std::size_t n = std::size_t(count<StretchedPose<float>>());
   /// Mean of weight (1 - field)^2 over the points, 0 where all lie on strong edges; with its slopes by the pose, and
   /// Gauss' and Newton's curvature.
   struct Sum {
@@ -57,7 +58,7 @@ public:
     std::array<double, n> slope{};
     std::array<std::array<double, n>, n> curvature{};
   };
-  Sum at(const std::vector<EdgePoint>& points, const Pose<float>& pose, bool with_slopes) const {
+  Sum at(const std::vector<EdgePoint>& points, const StretchedPose<float>& pose, bool with_slopes) const {
     using D = Dual<double, int(n)>;
     auto lifted = lift<D>(pose);
     int k = 0;

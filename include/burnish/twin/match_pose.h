@@ -17,6 +17,8 @@ struct MatchOptions {
   std::vector<float> elevations = {0.03f, 0.14f, 0.3f};  ///< rad
   int pixels = 192;         ///< the longer side of the vehicle's window that the last refinement works on
   float edge_weight = 1;    ///< of the photo's edges against the outline; 0: the outline alone is refined
+  bool keep_shape = true;   ///< false: what is found goes with a mesh that is stretched
+  float usual = 0.05f;      ///< see RefineOptions
   std::vector<float> tones = {};  ///< of the parts, see tone_of; empty: by their names
 };
 
@@ -89,7 +91,7 @@ std::vector<PoseCandidate> match_pose(const Raycaster& scene, const Mask& mask, 
   const EdgeField coarse_edges(coarse.photo, coarse.target.window), fine_edges(fine.photo, fine.target.window);
   const Mesh& mesh = scene.mesh();
   const MeshEdges edges(mesh);
-  RefineOptions refining{.fit_focal = options.fit_focal, .usual_focal = options.focal, .tones = options.tones};
+  RefineOptions refining{.fit_focal = options.fit_focal, .fit_shape = true, .usual = options.usual, .usual_focal = options.focal, .tones = options.tones};
   if (refining.tones.empty())
     for (const Part& p : mesh.parts) refining.tones.push_back(tone_of(p));
   const Box box = bounds(mesh);
@@ -109,7 +111,7 @@ std::vector<PoseCandidate> match_pose(const Raycaster& scene, const Mask& mask, 
       views.push_back(c);
     }
   constexpr int first = 12;
-  const int second = std::max(4, keep), total = int(views.size()) + 8 * first + 40 * second;
+  const int second = std::max(4, keep), total = int(views.size()) + 8 * first + 50 * second;
   int done = 0;
   std::mutex telling;
   const auto tell = [&](int more) {
@@ -135,14 +137,15 @@ std::vector<PoseCandidate> match_pose(const Raycaster& scene, const Mask& mask, 
         chosen.push_back(v);
     views = chosen;
   };
-  const auto refine = [&](const MatchLevel& level, const EdgeField* field, int steps, int cost) {
+  const auto refine = [&](const MatchLevel& level, const EdgeField* field, int steps, int cost, bool only_place = false) {
     PoseTarget target = level.target;
-    if (level.photo.width && options.edge_weight > 0) target.edges = field, target.edge_weight = options.edge_weight;
+    if (field && level.photo.width && options.edge_weight > 0) target.edges = field, target.edge_weight = options.edge_weight;
     RefineOptions how = refining;
     how.steps = steps;
+    how.only_place = only_place;
     parallel_for(int(views.size()), [&](int i) {
       PoseCandidate& c = views[std::size_t(i)];
-      static_cast<MatchedPose&>(c) = refine_pose(scene, edges, target, c.pose, how);
+      static_cast<MatchedPose&>(c) = refine_pose(scene, edges, target, c, how);
       level.judge(c, scene, refining.tones);
       tell(cost);
     });
@@ -151,6 +154,10 @@ std::vector<PoseCandidate> match_pose(const Raycaster& scene, const Mask& mask, 
   refine(coarse, &coarse_edges, 14, 8);
   choose(1.04f, second);
   refine(fine, &fine_edges, 24, 40);
+  if (options.keep_shape) {
+    for (PoseCandidate& v : views) v.stretch = {1, 1, 1};
+    refine(fine, nullptr, 8, 10, true);
+  }
   choose(1.04f, second);
   double sum = 0;
   for (PoseCandidate& v : views) sum += v.belief = std::exp((v.score - views[0].score) / detail::score_step);

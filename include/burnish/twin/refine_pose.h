@@ -17,6 +17,7 @@ inline double mask_iou(const Mask& a, const Mask& b) {
 /// A pose with how well it is known.
 struct MatchedPose {
   Pose<float> pose;       // of the whole photo's size
+  vec3<float> stretch{1, 1, 1};  // by which the mesh is longer, higher and wider than it is; see stretched()
   double iou = 0;
   Pose<float> deviation;  // standard deviations, as far as the misfit tells, were it independent by pixel
 };
@@ -31,7 +32,10 @@ struct PoseTarget {
 };
 struct RefineOptions {
   bool fit_focal = false;
+  bool fit_shape = false;    ///< whether the mesh may be longer and higher than it is
+  bool only_place = false;   ///< keeps the camera's direction, its focal length and the shape
   int steps = 30;
+  float usual = 0.02f;       ///< how much it counts that photos are taken upright, from about a person's height
   float usual_focal = 1.2f;  ///< in widths of the picture: where the focal length goes when the photo does not tell
   std::vector<float> tones = {};  ///< of the parts, see tone_of; for the edges
 };
@@ -61,15 +65,15 @@ template <std::size_t N> bool solve(std::array<std::array<double, N>, N> a, std:
 
 /// Least squares of a pose's misfit, with Gauss' and Newton's curvature.
 struct PoseSquares {
-  static constexpr std::size_t n = 7;
-  static_assert(count<Pose<float>>() == int(n));
+  static constexpr std::size_t n = EdgeField::n;
   double loss = 0;
   std::array<double, n> slope{};
   std::array<std::array<double, n>, n> curvature{};
 
   /// Of mask - target on pixels and on blocks of 2, 4, ... of them, each level with one weight a pixel's area: the coarse
   /// ones see far, the fine ones see well.
-  void add_mask(const Silhouette& seen, const PoseTarget& target, const Pose<float>& pose, bool with_slopes) {
+  void add_mask(const Silhouette& seen, const PoseTarget& target, const StretchedPose<float>& pose,
+                bool with_slopes) {
     const int w = target.window.width, h = target.window.height;
     const auto known = [&](int p) { return target.known.width ? double(target.known.values[std::size_t(p)]) : 1.0; };
     int levels = 1;
@@ -108,8 +112,8 @@ struct PoseSquares {
     }
   }
   /// weight: of the mean misfit of all points.
-  void add_edges(const EdgeField& field, const std::vector<EdgePoint>& points, const Pose<float>& pose, double weight,
-                 bool with_slopes) {
+  void add_edges(const EdgeField& field, const std::vector<EdgePoint>& points, const StretchedPose<float>& pose,
+                 double weight, bool with_slopes) {
     const EdgeField::Sum sum = field.at(points, pose, with_slopes);
     loss += weight * sum.loss;
     for (std::size_t i = 0; i < n; ++i) {
@@ -137,30 +141,43 @@ struct PoseSquares {
 /// Levenberg's and Marquardt's way (Marquardt 1963) from a pose near by. Where the target has edges, those of the mesh
 /// are found at the start and again half-way.
 inline MatchedPose refine_pose(const Raycaster& scene, const MeshEdges& edges, const PoseTarget& target,
-                               Pose<float> start, const RefineOptions& options) {
+                               const MatchedPose& start, const RefineOptions& options) {
   using detail::PoseSquares;
   constexpr std::size_t n = PoseSquares::n;
-  const auto free = [&](std::size_t i) { return options.fit_focal || i + 1 < n; };
-  const auto look = [&](const Pose<float>& p) { return Silhouette(scene, edges, target.window.camera(p)); };
+  using P = StretchedPose<float>;
+  const auto free = [&](std::size_t i) {  // azimuth, elevation, roll, distance, right, down, focal, longer, higher
+    if (options.only_place) return i >= 3 && i < 6;
+    return i < 6 || (i == 6 ? options.fit_focal : options.fit_shape);
+  };
+  const auto look = [&](const P& p) {
+    return Silhouette(scene, edges, StretchedCamera{target.window.camera(p.pose), p.factors()});
+  };
   double area = 0;
   for (std::size_t i = 0; i < std::size_t(target.window.width) * std::size_t(target.window.height); ++i)
     area += double(target.mask.values[i]);
   const double outline = 4 * std::sqrt(std::max(area, 1.0));  // pixels, about
   std::vector<EdgePoint> points;
-  const auto measure = [&](const Silhouette& seen, const Pose<float>& p, bool with_slopes) {
+  const auto measure = [&](const Silhouette& seen, const P& p, bool with_slopes) {
     PoseSquares s;
     s.add_mask(seen, target, p, with_slopes);
     if (target.edges) s.add_edges(*target.edges, points, p, outline * double(target.edge_weight), with_slopes);
-    s.add_usual(2, double(p.roll) / 0.08, 1 / 0.08, 0.02 * outline);
+    return s;
+  };
+  // What is usual counts as much as a few independent observations of the misfit: nothing where the mesh fits.
+  const auto with_usual = [&](PoseSquares s, const P& p, double misfit) {
+    const double weight = double(options.usual) * misfit;
+    s.add_usual(1, double(p.pose.elevation - 0.1f) / 0.12, 1 / 0.12, weight);
+    s.add_usual(2, double(p.pose.roll) / 0.04, 1 / 0.04, weight);
     if (options.fit_focal)
-      s.add_usual(6, std::log(double(p.focal / options.usual_focal)) / 0.4, 1 / (0.4 * double(p.focal)), 0.05 * outline);
+      s.add_usual(6, std::log(double(p.pose.focal / options.usual_focal)) / 0.4, 1 / (0.4 * double(p.pose.focal)), weight);
+    for (const std::size_t i : {7u, 8u}) s.add_usual(i, double(i == 7 ? p.longer : p.higher) / 0.07, 1 / 0.07, weight);
     s.hold(free);
     return s;
   };
-  const auto find_points = [&](const Pose<float>& p) {
-    if (target.edges) points = edge_points(scene.trace(target.window.camera(p), 1), options.tones);
+  const auto find_points = [&](const P& p) {
+    if (target.edges) points = edge_points(scene.trace(target.window.camera(p.pose), 1), options.tones);
   };
-  Pose<float> at = start;
+  P at{start.pose, std::log(start.stretch.x), std::log(start.stretch.y)};
   Silhouette seen = look(at);
   PoseSquares here;
   for (const int round : {0, 1}) {
@@ -170,11 +187,13 @@ inline MatchedPose refine_pose(const Raycaster& scene, const MeshEdges& edges, c
     double damping = 1e-2;
     const int steps = target.edges ? (options.steps + 1) / 2 : options.steps;
     for (int step = 0; step < steps && damping < 1e6;) {
-      auto a = here.curvature;
+      const double misfit = here.loss;
+      const PoseSquares whole = with_usual(here, at, misfit);
+      auto a = whole.curvature;
       std::array<double, n> move{};
-      for (std::size_t i = 0; i < n; ++i) move[i] = -here.slope[i], a[i][i] += damping * a[i][i] + 1e-12;
+      for (std::size_t i = 0; i < n; ++i) move[i] = -whole.slope[i], a[i][i] += damping * a[i][i] + 1e-12;
       ++step;
-      Pose<float> next = at;
+      P next = at;
       bool usable = detail::solve(a, move);
       std::size_t k = 0;
       for_each_parameter(next, [&](const std::string&, float& x, Range r) {
@@ -186,21 +205,21 @@ inline MatchedPose refine_pose(const Raycaster& scene, const MeshEdges& edges, c
         continue;
       }
       Silhouette there = look(next);
-      const double loss = measure(there, next, false).loss;
-      if (!(loss < here.loss)) {
+      const double loss = with_usual(measure(there, next, false), next, misfit).loss;
+      if (!(loss < whole.loss)) {
         damping *= 4;
         continue;
       }
-      const bool little = here.loss - loss < 1e-5 * here.loss;
+      const bool little = whole.loss - loss < 1e-5 * whole.loss;
       at = next, seen = std::move(there);
       here = measure(seen, at, true);
       damping = std::max(damping / 5, 1e-9);
       if (little) break;
     }
   }
-  MatchedPose out{at, mask_iou(seen.mask, target.mask), at};
+  MatchedPose out{at.pose, at.factors(), mask_iou(seen.mask, target.mask), at.pose};
   // Misfit by degree of freedom times the inverse of the curvature.
-  auto a = here.curvature;
+  auto a = with_usual(here, at, here.loss).curvature;
   for (std::size_t i = 0; i < n; ++i) a[i][i] += 1e-12;
   const double misfit = here.loss / std::max(seen.size(), 8);
   std::size_t k = 0;
@@ -220,8 +239,8 @@ inline MatchedPose refine_pose(const Raycaster& scene, const MeshEdges& edges, c
 inline MatchedPose refine_pose(const Raycaster& scene, const MeshEdges& edges, const Mask& mask, Pose<float> start,
                                bool fit_focal, int steps = 30) {
   const PoseTarget target{Window::whole(mask.width, mask.height), mask};
-  return refine_pose(scene, edges, target, start.resized(mask.width, mask.height),
-                     {.fit_focal = fit_focal, .steps = steps, .usual_focal = start.focal});
+  return refine_pose(scene, edges, target, {.pose = start.resized(mask.width, mask.height), .deviation = {}},
+                     {.fit_focal = fit_focal, .steps = steps, .usual = 0, .usual_focal = start.focal});
 }
 
 }  // namespace burnish

@@ -44,10 +44,11 @@ struct Window {
     c.fx *= across(), c.cx *= across(), c.fy *= along(), c.cy *= along();
     return c;
   }
-  /// Where the window sees a point; for a pose of any number.
-  template <class T> constexpr vec3<T> project(const Pose<T>& pose, const vec3<float>& point) const {
-    const vec3<T> p = pose.project(point);
-    return {(p.x - float(x)) * across(), (p.y - float(y)) * along(), p.z};
+  /// Where the window sees a point; the pose is a Pose or a StretchedPose of any number.
+  template <class P> constexpr auto project(const P& pose, const vec3<float>& point) const {
+    auto p = pose.project(point);
+    p.x = (p.x - float(x)) * across(), p.y = (p.y - float(y)) * along();
+    return p;
   }
   Mask of(const Mask& mask) const {
     Mask out(width, height);
