@@ -1,8 +1,8 @@
-// burnish/burnish.h -- everything that needs no third party
+// burnish/burnish.h -- everything of ad/ to fit/ that needs no third party
 // SPDX-License-Identifier: Apache-2.0
 //
-// Left out: burnish/scene/raycast.h, which needs Embree, burnish/io/, which needs OpenImageIO and Assimp, and what only
-// readers of meshes want: burnish/scene/clean.h and vehicle.h.
+// Left out: burnish/scene/raycast.h, which needs Embree; burnish/fit/vgg.h, which needs Eigen; what only readers of meshes
+// want, burnish/scene/clean.h and vehicle.h; and the floors of whole programs, burnish/twin/ and burnish/io/.
 #pragma once
 #include <burnish/ad/check.h>
 #include <burnish/ad/compiled.h>
@@ -66,5 +66,4 @@
 #include <burnish/fit/planes.h>
 #include <burnish/fit/play.h>
 #include <burnish/fit/render.h>
-#include <burnish/twin/pose.h>
 #include <burnish/version.h>
