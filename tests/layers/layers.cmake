@@ -14,7 +14,8 @@ set(below_light "ad/" "math/" "nodes/surface.h" "shade/" "scene/image.h")
 set(below_graph "ad/" "math/" "nodes/" "shade/")
 set(below_fit "ad/" "math/" "scene/")
 set(below_twin "ad/" "math/" "scene/" "fit/")
-set(below_io "ad/" "math/" "nodes/" "scene/" "shade/" "light/" "graph/" "fit/" "twin/")
+set(below_street "ad/" "math/" "nodes/" "scene/" "shade/" "light/" "fit/" "twin/")
+set(below_io "ad/" "math/" "nodes/" "scene/" "shade/" "light/" "graph/" "fit/" "twin/" "street/")
 
 # Third parties, each behind its doors.
 set(third_scene/raycast.h "^embree[34]/")
