@@ -9,7 +9,14 @@
 // is a fraction, so that what lies behind the part changes nothing and the border is no edge of black; a layer's weight
 // is the mask, averaged where the network pools. With the mask 1 everywhere the layers are the network's own.
 #pragma once
+#if defined(__GNUC__) && !defined(__clang__)  // g++ 12 takes the padding of AVX-512 intrinsics for uninitialised
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wmaybe-uninitialized"
+#endif
 #include <Eigen/Core>
+#if defined(__GNUC__) && !defined(__clang__)
+#pragma GCC diagnostic pop
+#endif
 #include <map>
 #include <string>
 #include <burnish/fit/features.h>
