@@ -43,6 +43,7 @@
 #include <burnish/scene/gbuffer.h>
 #include <burnish/scene/image.h>
 #include <burnish/scene/mesh.h>
+#include <burnish/scene/tensor.h>
 #include <burnish/shade/brdf.h>
 #include <burnish/shade/coat.h>
 #include <burnish/shade/diffuse.h>
