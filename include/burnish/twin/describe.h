@@ -35,12 +35,12 @@ inline constexpr int view_numbers =
 namespace detail {
 
 /// A rectangle of a picture, pixels; it may reach beyond it.
-struct Frame {
+struct Rectangle {
   float x0 = 0, y0 = 0, x1 = 0, y1 = 0;
 };
 
 /// Where the mask is, but for what is thinner than a thirtieth of it (aerials, stray pixels). Error for an empty mask.
-inline Frame frame_of(const Mask& m) {
+inline Rectangle rectangle_of(const Mask& m) {
   std::vector<float> columns(std::size_t(m.width)), rows(std::size_t(m.height));
   for (int y = 0; y < m.height; ++y)
     for (int x = 0; x < m.width; ++x) columns[std::size_t(x)] += m.at(x, y), rows[std::size_t(y)] += m.at(x, y);
@@ -51,7 +51,7 @@ inline Frame frame_of(const Mask& m) {
     while (last > first && sums[std::size_t(last - 1)] < least) --last;
     low = float(first), high = float(last);
   };
-  Frame f;
+  Rectangle f;
   ends(columns, f.x0, f.x1), ends(rows, f.y0, f.y1);
   if (f.x1 - f.x0 < 2 || f.y1 - f.y0 < 2) throw Error("the mask is empty, expected a vehicle on it");
   return f;
@@ -59,9 +59,9 @@ inline Frame frame_of(const Mask& m) {
 
 /// A plane of a picture stretched from a window onto width x height pixels: bilinear when larger, a tent over all that
 /// a pixel covers when smaller. Beyond the picture it is 0.
-class Window {
+class Stretched {
 public:
-  Window(const Frame& f, int picture_width, int picture_height, int width, int height)
+  Stretched(const Rectangle& f, int picture_width, int picture_height, int width, int height)
       : columns(f.x0, f.x1, picture_width, width), rows(f.y0, f.y1, picture_height, height) {}
 
   template <class Value> Floats operator()(Value value) const {
@@ -130,13 +130,13 @@ struct Sight {
 };
 
 /// A mask and any number of planes (values of the picture) stretched from a box. knee: a slope that is no edge.
-template <class Value> Sight sight_of(const Mask& mask, const Frame& box, int planes, Value value, float knee) {
+template <class Value> Sight sight_of(const Mask& mask, const Rectangle& box, int planes, Value value, float knee) {
   using G = SightGrid;
   constexpr int w = G::width, h = G::height;
   const float wide = box.x1 - box.x0, high = box.y1 - box.y0;
-  const Frame frame{box.x0 - G::margin * wide, box.y0 - G::margin * high, box.x1 + G::margin * wide,
+  const Rectangle frame{box.x0 - G::margin * wide, box.y0 - G::margin * high, box.x1 + G::margin * wide,
                     box.y1 + G::margin * high};
-  const Window window(frame, mask.width, mask.height, w, h);
+  const Stretched window(frame, mask.width, mask.height, w, h);
   Sight out;
   out.ratio = wide / high;
   out.seen = window([&](int x, int y) { return mask.at(x, y); });
@@ -271,7 +271,7 @@ inline Described numbers_of(const Sight& sight, const std::vector<bool>& unknown
 }  // namespace detail
 
 namespace detail {
-inline Sight sight_of(const Mask& vehicle, const Image& photo, const Frame& box) {
+inline Sight sight_of(const Mask& vehicle, const Image& photo, const Rectangle& box) {
   return sight_of(
       vehicle, box, 3,
       [&](int c, int x, int y) {
@@ -293,7 +293,7 @@ inline Sight sight_of(const GBuffer& seen) {
     values[6].values[p] = seen.plane[GBuffer::depth][k];
   }
   return sight_of(
-      mask, frame_of(mask), planes, [&](int c, int x, int y) { return values[std::size_t(c)].at(x, y); }, 0.1f);
+      mask, rectangle_of(mask), planes, [&](int c, int x, int y) { return values[std::size_t(c)].at(x, y); }, 0.1f);
 }
 inline void check_photo(const Mask& vehicle, const Image& photo) {
   if (vehicle.width != photo.width || vehicle.height != photo.height)
@@ -306,7 +306,7 @@ inline void check_photo(const Mask& vehicle, const Image& photo) {
 /// of another size.
 inline std::vector<float> describe(const Mask& vehicle, const Image& photo) {
   detail::check_photo(vehicle, photo);
-  return detail::numbers_of(detail::sight_of(vehicle, photo, detail::frame_of(vehicle)), {}).numbers;
+  return detail::numbers_of(detail::sight_of(vehicle, photo, detail::rectangle_of(vehicle)), {}).numbers;
 }
 
 /// A vehicle as a G-buffer shows it.
@@ -333,7 +333,7 @@ inline Guesses describe_guesses(const Mask& vehicle, const Image& photo, const G
   using G = SightGrid;
   check_photo(vehicle, photo);
   constexpr int w = G::width, h = G::height;
-  const Frame box = frame_of(vehicle);
+  const Rectangle box = rectangle_of(vehicle);
   Guesses out;
   const auto add = [&](const Sight& sight, const std::vector<bool>& unknown) {
     const Described d = numbers_of(sight, unknown);
@@ -383,7 +383,7 @@ inline Guesses describe_guesses(const Mask& vehicle, const Image& photo, const G
   // A side: the box goes on behind it.
   for (int side = 0; side < 4; ++side)
     for (const float part : side < 2 ? options.beside : options.above) {
-      Frame f = box;
+      Rectangle f = box;
       const float wide = box.x1 - box.x0, high = box.y1 - box.y0;
       (side == 0 ? f.x0 : side == 1 ? f.x1 : side == 2 ? f.y0 : f.y1) +=
           (side % 2 ? 1.0f : -1.0f) * part * (side < 2 ? wide : high);
@@ -422,8 +422,8 @@ inline Camera view_camera(const Box& box, float azimuth, float elevation, const 
   pose.width = pose.height = options.pixels, pose.focal = 1;
   float x0 = 1e9f, y0 = 1e9f, x1 = -1e9f, y1 = -1e9f;
   for (int k = 0; k < 8; ++k) {
-    const vec3<float> p = pose.project(
-        {k & 1 ? box.low.x : box.high.x, k & 2 ? box.low.y : box.high.y, k & 4 ? box.low.z : box.high.z});
+    const vec3<float> p = pose.project(vec3<float>(k & 1 ? box.low.x : box.high.x, k & 2 ? box.low.y : box.high.y,
+                                                   k & 4 ? box.low.z : box.high.z));
     x0 = std::min(x0, p.x), x1 = std::max(x1, p.x), y0 = std::min(y0, p.y), y1 = std::max(y1, p.y);
   }
   const float scale = float(options.pixels - 2) / std::max(x1 - x0, y1 - y0);

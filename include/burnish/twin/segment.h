@@ -96,14 +96,14 @@ inline cv::Mat one_piece(const cv::Mat& labels, std::optional<cv::Point> place) 
 }
 
 /// The part of a photo that is worked on: the box with its surroundings, made smaller.
-struct Window {
+struct CutWindow {
   int x = 0, y = 0, w = 0, h = 0;  // in the photo
   float scale = 1;
   Image image;
   cv::Mat codes;
   PixelBox box;  // in the window's own pixels
 
-  Window(const Image& photo, const PixelBox& in_photo, int pixels) {
+  CutWindow(const Image& photo, const PixelBox& in_photo, int pixels) {
     const PixelBox around = in_photo.grown(0.35f, photo.width, photo.height);
     x = int(around.x0), y = int(around.y0);
     w = std::max(1, int(std::ceil(around.x1)) - x), h = std::max(1, int(std::ceil(around.y1)) - y);
@@ -125,7 +125,7 @@ struct Window {
 };
 
 /// 255 in, 0 out, for the window's box.
-inline cv::Mat cut_out(const Window& window, std::optional<cv::Point> place) {
+inline cv::Mat cut_out(const CutWindow& window, std::optional<cv::Point> place) {
   const int w = window.image.width, h = window.image.height;
   const PixelBox& b = window.box;
   cv::Mat odds(h, w, CV_32F), labels(h, w, CV_8U);
@@ -213,7 +213,7 @@ inline cv::Mat cut_out(const Window& window, std::optional<cv::Point> place) {
 /// The vehicle in a box, which may be some percent off. The mask is empty where nothing in the box stands out.
 inline Segmented segment(const Image& photo, const PixelBox& box, const SegmentOptions& options = {}) {
   Segmented s;
-  const detail::Window window(photo, box.grown(0.02f, photo.width, photo.height), options.pixels);
+  const detail::CutWindow window(photo, box.grown(0.02f, photo.width, photo.height), options.pixels);
   const cv::Mat labels = detail::cut_out(window, {});
   s.mask = window.to_photo(labels, photo);
   return s;
