@@ -85,10 +85,45 @@ inline std::vector<Nearest> nearest(std::span<const float> rows, int columns, st
   return out;
 }
 
-/// The k models nearest, each by its best row. first[m] is model m's first row, first.back() the number of all rows.
-inline std::vector<NearestModel> nearest_models(std::span<const float> rows, int columns, std::span<const int> first,
-                                                std::span<const float> queries, int k) {
-  const std::vector<float> all = cosines(rows, columns, queries);
+/// As cosines(), of queries whose numbers are known only in part: known (as many as the queries have) weighs each
+/// number, 0 to 1. Of the row counts what is known, too, by the power `trust`: at 0 a query that knows little is as
+/// good as one that knows all, at 1 what a row has where nothing is known speaks against it in full.
+inline std::vector<float> cosines(std::span<const float> rows, int columns, std::span<const float> queries,
+                                  std::span<const float> known, float trust = 0.5f) {
+  detail::check_rows(rows, columns, queries);
+  if (known.size() != queries.size())
+    throw Error("search: queries of " + std::to_string(queries.size()) + " numbers, weights of " +
+                std::to_string(known.size()) + ": expected as many");
+  const std::size_t step = std::size_t(columns), count = rows.size() / step, asked = queries.size() / step;
+  std::vector<float> weighted(queries.size()), out(count, -2.0f);
+  for (std::size_t q = 0; q < asked; ++q) {
+    double sum = 0;
+    for (std::size_t i = q * step; i < (q + 1) * step; ++i) {
+      weighted[i] = queries[i] * known[i];
+      sum += double(queries[i]) * double(weighted[i]);
+    }
+    for (std::size_t i = q * step; i < (q + 1) * step && sum > 0; ++i) weighted[i] = float(double(weighted[i]) / std::sqrt(sum));
+  }
+  constexpr std::size_t block = 16;
+  parallel_for(int((count + block - 1) / block), [&](int b) {
+    std::vector<float> squares(step);
+    for (std::size_t i = std::size_t(b) * block; i < std::min(count, std::size_t(b + 1) * block); ++i) {
+      const float* const row = rows.data() + i * step;
+      for (std::size_t k = 0; k < step; ++k) squares[k] = row[k] * row[k];
+      for (std::size_t q = 0; q < asked; ++q) {
+        const float norm = detail::dot_of(squares.data(), known.data() + q * step, columns);
+        if (norm > 0)
+          out[i] = std::max(out[i], detail::dot_of(row, weighted.data() + q * step, columns) /
+                                        std::pow(norm, 0.5f * (1 - trust)));
+      }
+    }
+  });
+  return out;
+}
+
+/// The k models nearest, each by its best row, of cosines as above. first[m] is model m's first row, first.back() the
+/// number of all rows.
+inline std::vector<NearestModel> best_models(std::span<const float> all, std::span<const int> first, int k) {
   std::vector<NearestModel> out;
   for (std::size_t m = 0; m + 1 < first.size(); ++m) {
     NearestModel best{int(m), -1, -2};
@@ -100,6 +135,10 @@ inline std::vector<NearestModel> nearest_models(std::span<const float> rows, int
                    [](const NearestModel& a, const NearestModel& b) { return a.cosine > b.cosine; });
   out.resize(std::min(out.size(), std::size_t(std::max(k, 0))));
   return out;
+}
+inline std::vector<NearestModel> nearest_models(std::span<const float> rows, int columns, std::span<const int> first,
+                                                std::span<const float> queries, int k) {
+  return best_models(cosines(rows, columns, queries), first, k);
 }
 
 }  // namespace burnish
