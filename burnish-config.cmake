@@ -1,9 +1,10 @@
-# burnish-config.cmake -- what find_package(burnish) and find_package(burnish COMPONENTS raycast io) read
+# burnish-config.cmake -- what find_package(burnish) and find_package(burnish COMPONENTS raycast io vision) read
 # SPDX-License-Identifier: Apache-2.0
 #
 # burnish::burnish  the headers; nothing besides threads
 # raycast           burnish::raycast, with Embree 4 or 3: burnish/scene/raycast.h
 # io                burnish::io, with OpenImageIO, Assimp, nlohmann_json and minizip: burnish/io/
+# vision            burnish::vision, with OpenCV's core, imgproc and dnn: burnish/twin/segment.h, burnish/io/network.h
 #
 # A component whose packages are missing has no target, and burnish_<component>_NOT_FOUND_MESSAGE says what it wants.
 # The library's own CMakeLists.txt reads this file too, so what a component is made of is said only here.
@@ -57,6 +58,27 @@ Ubuntu: libopenimageio-dev openimageio-tools libassimp-dev zlib1g-dev nlohmann-j
   endif()
 endif()
 
+if("vision" IN_LIST burnish_FIND_COMPONENTS AND NOT TARGET burnish::vision)
+  # By its files: the package file of Debian and Ubuntu comes only with all that OpenCV has, windows and film included.
+  find_path(burnish_OPENCV_INCLUDE_DIR opencv2/dnn.hpp PATH_SUFFIXES opencv4)
+  set(burnish_opencv "")
+  foreach(burnish_module IN ITEMS dnn imgproc core)
+    find_library(burnish_OPENCV_${burnish_module} opencv_${burnish_module})
+    mark_as_advanced(burnish_OPENCV_${burnish_module})
+    list(APPEND burnish_opencv ${burnish_OPENCV_${burnish_module}})
+  endforeach()
+  mark_as_advanced(burnish_OPENCV_INCLUDE_DIR)
+  if(burnish_OPENCV_INCLUDE_DIR AND NOT burnish_opencv MATCHES "NOTFOUND")
+    add_library(burnish::vision INTERFACE IMPORTED)
+    set_property(TARGET burnish::vision PROPERTY INTERFACE_LINK_LIBRARIES burnish::burnish ${burnish_opencv})
+    set_property(TARGET burnish::vision PROPERTY INTERFACE_INCLUDE_DIRECTORIES ${burnish_OPENCV_INCLUDE_DIR})
+  else()
+    set(burnish_vision_NOT_FOUND_MESSAGE "burnish::vision wants OpenCV 4 with core, imgproc and dnn (Debian, Ubuntu: \
+libopencv-core-dev libopencv-imgproc-dev libopencv-dnn-dev)")
+  endif()
+  unset(burnish_opencv)
+endif()
+
 set(burnish_FOUND TRUE)
 foreach(burnish_component IN LISTS burnish_FIND_COMPONENTS)
   set(burnish_${burnish_component}_FOUND FALSE)
@@ -66,7 +88,7 @@ foreach(burnish_component IN LISTS burnish_FIND_COMPONENTS)
     set(burnish_FOUND FALSE)
     set(burnish_NOT_FOUND_MESSAGE "${burnish_${burnish_component}_NOT_FOUND_MESSAGE}")
     if(NOT burnish_NOT_FOUND_MESSAGE)
-      set(burnish_NOT_FOUND_MESSAGE "burnish has no component ${burnish_component}: raycast and io are those it has")
+      set(burnish_NOT_FOUND_MESSAGE "burnish has no component ${burnish_component}: raycast, io and vision are those it has")
     endif()
   endif()
 endforeach()

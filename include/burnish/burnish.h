@@ -1,8 +1,8 @@
-// burnish/burnish.h -- everything that needs no third party
+// burnish/burnish.h -- everything of ad/ to fit/ that needs no third party
 // SPDX-License-Identifier: Apache-2.0
 //
-// Left out: burnish/scene/raycast.h, which needs Embree, burnish/io/, which needs OpenImageIO and Assimp, and what only
-// readers of meshes want: burnish/scene/clean.h and vehicle.h.
+// Left out: burnish/scene/raycast.h, which needs Embree; burnish/fit/vgg.h, which needs Eigen; what only readers of meshes
+// want, burnish/scene/clean.h and vehicle.h; and the floors of whole programs, burnish/twin/ and burnish/io/.
 #pragma once
 #include <burnish/ad/check.h>
 #include <burnish/ad/compiled.h>
@@ -43,16 +43,19 @@
 #include <burnish/scene/gbuffer.h>
 #include <burnish/scene/image.h>
 #include <burnish/scene/mesh.h>
+#include <burnish/scene/tensor.h>
 #include <burnish/shade/brdf.h>
 #include <burnish/shade/coat.h>
 #include <burnish/shade/diffuse.h>
 #include <burnish/shade/fresnel.h>
 #include <burnish/shade/ggx.h>
 #include <burnish/shade/principled.h>
+#include <burnish/shade/sample.h>
 #include <burnish/light/environment.h>
 #include <burnish/light/illuminate.h>
 #include <burnish/light/irradiance.h>
 #include <burnish/light/lamps.h>
+#include <burnish/light/panorama_sampler.h>
 #include <burnish/light/pyramid.h>
 #include <burnish/light/rings.h>
 #include <burnish/light/samples.h>
@@ -60,11 +63,12 @@
 #include <burnish/light/sun.h>
 #include <burnish/light/transport.h>
 #include <burnish/fit/adam.h>
+#include <burnish/fit/features.h>
 #include <burnish/fit/fit.h>
+#include <burnish/fit/gram.h>
 #include <burnish/fit/look.h>
 #include <burnish/fit/loss.h>
 #include <burnish/fit/planes.h>
 #include <burnish/fit/play.h>
 #include <burnish/fit/render.h>
-#include <burnish/twin/pose.h>
 #include <burnish/version.h>
