@@ -50,7 +50,7 @@ public:
   /// A chapter; it also stands in the list at the top.
   Page& section(const std::string& name) {
     close();
-    const std::string id = "s" + std::to_string(++sections_);
+    const std::string id = std::string("s").append(std::to_string(++sections_));
     contents_ += "<a href=\"#" + id + "\">" + escaped(name) + "</a>\n";
     body_ += "<section id=\"" + id + "\">\n<h2>" + escaped(name) + "</h2>\n";
     open_ = true;
