@@ -406,7 +406,7 @@ int run(const Options& o) {
         "and variances, in display values. Glass and rubber: 0.1 times the first, plus the second without the "
         "extremes, as "
         "wheels and panes of another model do not lie on the photo's.");
-  page.section("The fitted numbers");
+  page.heading("The fitted numbers");
   page.table(rows);
   page.text(
       "Linear colours; lengths in metres. +- is a standard deviation: how much a number could change and the picture "
@@ -415,11 +415,11 @@ int run(const Options& o) {
       "can be "
       "exchanged. Here the light is neutral and as strong as a street of middling grey needs to give the photo's mean "
       "brightness, or as a paint of albedo 0.8 needs to be as bright as this one.");
-  page.section("What the camera sees");
+  page.heading("What the camera sees");
   page.picture(o.output + "/gbuffer.png", "Normals, and what each surface was taken as. gbuffer.exr holds all of it.");
   page.table(materials);
   if (!guess.empty()) page.text(guess);
-  page.section("What was done to the vehicle's file");
+  page.heading("What was done to the vehicle's file");
   for (const std::string& line : in.report.lines) page.text(line);
   std::snprintf(note, sizeof note, "%.1f s from start to end.", whole.seconds());
   page.text(note);

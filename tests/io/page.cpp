@@ -42,7 +42,7 @@ TEST_CASE("Page: all it can hold is well-formed HTML that needs no other file", 
   Page page(nasty);
   page.text("before any chapter");
   for (const std::string name : {"one", "two", nasty.c_str()}) {
-    page.section(name).text(nasty).picture(folder / "a.png", nasty).picture(image, nasty);
+    page.heading(name).text(nasty).picture(folder / "a.png", nasty).picture(image, nasty);
     page.compare(image, image, nasty).turntable({jpeg_of(image), jpeg_of(image), jpeg_of(image)}, nasty);
     page.table({{"a", nasty}, {"1", "2"}}).numbers({{nasty, "3", "+- 1"}}).times({{nasty, 1}, {"rest", 3}});
     page.download(folder / "car.json", nasty).download(folder / "large.glb", "beside", 40);
