@@ -57,7 +57,8 @@ int run(Options o) {
     o.folders = {"/usr/share/sweethome3d/furniture"};
   Progress whole("");
   std::vector<std::pair<std::string, double>> times;
-  const auto lap = [&, last = 0.0](const char* stage) mutable {
+  double last = 0;
+  const auto lap = [&](const char* stage) {
     times.emplace_back(stage, whole.seconds() - last), last = whole.seconds();
   };
 
@@ -71,7 +72,7 @@ int run(Options o) {
   twin::Leavings leave(o.output, o.photo);
   std::string how;
   const Mask mask = vehicle_mask(o, photo, how);
-  write_mask(o.output + "/mask.png", mask);
+  write_png(o.output + "/mask.png", twin::as_image(mask));
   lap("segment");
 
   std::vector<twin::Candidate> found;
@@ -98,7 +99,9 @@ int run(Options o) {
   if (interrupted) return 130;
 
   Progress parting("parts");
-  const AssignedParts parts = assign_parts(scene, {.given = given});
+  AssignOptions assigning;
+  assigning.given = given;
+  const AssignedParts parts = assign_parts(scene, assigning);
   write_parts(o.output + "/parts.txt", scene.mesh(), parts);
   const GBuffer whole_view = scene.trace(camera);
   fitting::Photo target;

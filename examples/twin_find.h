@@ -94,6 +94,13 @@ inline Image overlay(const Image& photo, const Mask& mask, const Mask& model) {
     }
   return out;
 }
+/// As write_png stores it: 0 black, 1 white.
+inline Image as_image(const Mask& mask) {
+  Image out(mask.width, mask.height);
+  for (int y = 0; y < mask.height; ++y)
+    for (int x = 0; x < mask.width; ++x) out.set(x, y, vec3<float>(detail::from_srgb(mask.at(x, y))));
+  return out;
+}
 /// The window of the picture that the mask is in, with its surroundings, at most `wide` pixels wide.
 inline Image around(const Image& picture, const Mask& mask, float margin, int wide) {
   int x0 = mask.width, y0 = mask.height, x1 = 0, y1 = 0;

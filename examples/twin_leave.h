@@ -32,17 +32,17 @@ public:
     for (int y = 0; y < photo.height; ++y)
       for (int x = 0; x < photo.width; ++x) marked.set(x, y, photo.at(x, y) * (0.3f + 0.7f * mask.at(x, y)));
     write_png(folder_ + "/photo.png", marked);
-    page_.section("The photo").picture(marked, "The vehicle, " + how + ".");
+    page_.heading("The photo").picture(marked, "The vehicle, " + how + ".");
     const Image sheet = contact_sheet(all, photo, mask);
     write_png(folder_ + "/candidates.png", sheet);
-    page_.section("The model");
+    page_.heading("The model");
     page_.text("The library's vehicles that look most like it, each posed against the photo; the first is kept. Cosine: of "
                "the vehicle's best view with the photo's mask and edges. Score: of what the pose covers of the mask, and of "
                "edges and dark parts.");
     page_.picture(sheet, best.name + " is what the twin is made of.");
     const Image posed = around(overlay(photo, mask, best.scene->trace(p.pose.camera()).frame("coverage")), mask, 0.2f, 960);
     write_png(folder_ + "/pose.png", posed);
-    page_.section("The pose").picture(posed, "Green: mask and model agree; red: the model alone; blue: the mask alone.");
+    page_.heading("The pose").picture(posed, "Green: mask and model agree; red: the model alone; blue: the mask alone.");
     const auto number = [](const char* format, double x) {
       char text[48];
       std::snprintf(text, sizeof text, format, x);
@@ -101,7 +101,7 @@ public:
       if (g.share > 0.0005f)
         rows.push_back({part.material, part.name, std::string(name_of(g.kind)), sure, area, g.reason});
     }
-    page_.section("The parts").picture(kinds, "What the materials were taken for. parts.txt can be edited and given back.");
+    page_.heading("The parts").picture(kinds, "What the materials were taken for. parts.txt can be edited and given back.");
     page_.picture(seen, "The photo's own pixels, by the model's parts and their colours.").table(rows);
     for (const std::string& n : parts.notes) page_.text(n);
     char text[160];
@@ -112,7 +112,7 @@ public:
 
   void fitted(const fitting::FittedParts& f, const fitting::Settings& settings) {
     report::write_pictures(folder_, f.seen, f.before, f.after);
-    page_.section("The materials");
+    page_.heading("The materials");
     page_.compare(shot::linear(f.seen.photo.image), f.after, "The photo; the twin over it.");
     page_.picture(folder_ + "/fit.png", "Photo, first paint, fitted materials, and what is left where both overlap.");
     const report::Rows rows = report::numbers(f.materials, settings);
@@ -163,11 +163,11 @@ public:
                     });
     bar.finish(std::to_string(jpegs.size()) + " pictures");
     if (first.width > 0) write_png(folder_ + "/twin.png", first);
-    page_.section("All round").turntable(jpegs, "The twin under the light it was fitted in. Drag it.");
+    page_.heading("All round").turntable(jpegs, "The twin under the light it was fitted in. Drag it.");
   }
 
   void page(const std::vector<std::pair<std::string, double>>& times, double seconds) {
-    page_.section("Files");
+    page_.heading("Files");
     page_.download(folder_ + "/twin.glb", "the model with its materials, for any glTF viewer");
     page_.download(folder_ + "/paint.json", "the paint");
     page_.download(folder_ + "/glass.json", "the panes");
@@ -176,7 +176,7 @@ public:
     page_.download(folder_ + "/parts.txt", "what the parts are, to be edited");
     char text[64];
     std::snprintf(text, sizeof text, "%.1f s on %d threads.", seconds, threads());
-    page_.section("Time").times(times).text(text);
+    page_.heading("Time").times(times).text(text);
     page_.write(folder_ + "/index.html");
   }
 
