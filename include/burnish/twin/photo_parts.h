@@ -12,10 +12,10 @@
 namespace burnish {
 
 struct PhotoPartsOptions {
-  float blur = 0.02f;       // of the prior, standard deviation in parts of the vehicle's diagonal in the picture
+  float blur = 0.05f;       // of the prior, standard deviation in parts of the vehicle's diagonal in the picture
   int gaussians = 3;        // a label
-  int iterations = 8;
-  float color = 0.5f;       // exponent of the colour's likelihood: pixels are not independent
+  int iterations = 4;
+  float color = 1;          // exponent of the colour's likelihood: pixels are not independent
   float neighbours = 1.2f;  // how strongly equal neighbours agree
   float speck = 0.001f;     // of the vehicle's pixels: regions smaller than that take their surroundings' label
 };
@@ -108,6 +108,34 @@ struct Mixture {
 };
 }  // namespace detail
 
+/// The colour that a painted body has most of, in CIE Lab. Panes, lamps, tyres and a roof of another colour are grey as
+/// a rule; so where three tenths or more of the pixels have a colour (chroma above 20), it is the hue of most of that;
+/// else what is grey and as light as most.
+struct MainColor {
+  bool colorful = false;
+  float hue = 0, lightness = 0;  // radians, 0 to 100
+
+  explicit MainColor(const std::vector<vec3<float>>& lab) {
+    std::array<float, 36> hues{};
+    std::array<int, 26> steps{};  // of lightness, 4 each
+    std::size_t colored = 0;
+    for (const vec3<float>& c : lab) {
+      const float chroma = std::hypot(c.y, c.z);
+      if (chroma > 20) ++colored, hues[std::size_t((std::atan2(c.z, c.y) / 6.2831853f + 1) * 36) % 36] += chroma;
+      else ++steps[std::size_t(std::clamp(c.x / 4, 0.0f, 25.0f))];
+    }
+    const auto most = [](const auto& h) { return float(std::max_element(h.begin(), h.end()) - h.begin()); };
+    colorful = 10 * colored >= 3 * lab.size() && !lab.empty();
+    hue = (most(hues) + 0.5f) * 6.2831853f / 36, lightness = 4 * most(steps) + 2;
+  }
+  /// Within 40 degrees of the hue, or 30 of the lightness.
+  bool like(const vec3<float>& c) const {
+    const float chroma = std::hypot(c.y, c.z);
+    if (!colorful) return chroma <= 20 && std::abs(c.x - lightness) <= 30;
+    return chroma > 12 && std::abs(std::remainder(std::atan2(c.z, c.y) - hue, 6.2831853f)) < 0.75f;
+  }
+};
+
 /// A label for every pixel of the photo: 0 not the vehicle, 1 paint, 2 glass, 3 rubber, 4 other. photo: linear RGB;
 /// vehicle: its mask, above 0.5; g: the CAD model through the photo's camera, of the photo's size, with a label for
 /// every surfel (part_labels). Error when sizes differ.
@@ -127,7 +155,7 @@ inline std::vector<int> photo_parts(const Image& photo, const Mask& vehicle, con
   if (x1 < x0) return out;
   const int cw = x1 - x0 + 1, ch = y1 - y0 + 1;  // only the window that the vehicle is in
   const float diagonal = std::hypot(float(cw), float(ch));
-  std::array<std::vector<float>, n> prior;
+  std::array<std::vector<float>, n> prior, inside;
   std::array<double, n> area{};
   for (auto& p : prior) p.assign(std::size_t(cw) * std::size_t(ch), 0.0f);
   for (int i = 0; i < g.size(); ++i) {
@@ -136,6 +164,8 @@ inline std::vector<int> photo_parts(const Image& photo, const Mask& vehicle, con
     ++area[std::size_t(c)];
     if (x >= 0 && x < cw && y >= 0 && y < ch) prior[std::size_t(c)][std::size_t(y * cw + x)] = 1;
   }
+  inside = prior;
+  for (auto& p : inside) detail::blur(p, cw, ch, 0.25f * options.blur * diagonal);
   for (auto& p : prior) detail::blur(p, cw, ch, options.blur * diagonal);
   std::vector<vec3<float>> color;
   std::vector<int> place;  // in the window, of each of the vehicle's pixels
@@ -162,18 +192,49 @@ inline std::vector<int> photo_parts(const Image& photo, const Mask& vehicle, con
     for (std::size_t c = 0; c < n; ++c) sum += before[c][i];
     for (std::size_t c = 0; c < n; ++c) before[c][i] /= sum;
   }
-  // Colours are learned at first where the model is sure.
+  // Colours are learned at first where the model is sure; the paint's from what has the main colour there, the others'
+  // from what has not, unless hardly anything is left. Rubber is dark and grey.
   std::array<detail::Mixture, n> mixture;
-  now = before;
-  for (auto& p : now)
-    for (float& x : p) x = x > 0.9f ? x : 0.1f * x;
+  std::vector<vec3<float>> sure;
+  for (std::size_t c = 0; c < n; ++c) {
+    now[c].resize(count);
+    for (std::size_t i = 0; i < count; ++i) {
+      const float x = inside[c][std::size_t(place[i])];
+      now[c][i] = x > 0.8f ? x : 0.05f * x;
+      if (c == 0 && x > 0.8f) sure.push_back(color[i]);
+    }
+  }
+  const MainColor paint(sure);
+  std::vector<float> lightness;
+  for (const vec3<float>& c : color) lightness.push_back(c.x);
+  std::sort(lightness.begin(), lightness.end());
+  const float rubber = std::max(35.0f, 0.5f * (lightness[count / 20] + lightness[count / 2]));
+  std::array<std::vector<float>, n> trust;
+  for (std::size_t c = 0; c < n; ++c) {
+    trust[c].assign(count, 1.0f);
+    double kept = 0, of = 1e-9;
+    for (std::size_t i = 0; i < count; ++i) {
+      if (paint.like(color[i]) != (c == 0)) trust[c][i] = 0.03f;
+      kept += double(now[c][i] * trust[c][i]), of += double(now[c][i]);
+    }
+    if (kept < 0.15 * of) trust[c].assign(count, 1.0f);
+    for (std::size_t i = 0; i < count; ++i) {
+      if (c == 2)
+        trust[c][i] *= 0.03f + 0.97f * std::clamp((rubber + 15 - color[i].x) / 15, 0.0f, 1.0f) *
+                                   std::clamp((25 - std::hypot(color[i].y, color[i].z)) / 10, 0.0f, 1.0f);
+    }
+  }
   for (int k = 0; k < options.iterations; ++k) {
     for (std::size_t c = 0; c < n; ++c)
-      if (area[c] > 0) mixture[c].fit(color, now[c], options.gaussians);
+      if (area[c] > 0) {
+        std::vector<float> weight = now[c];
+        for (std::size_t i = 0; i < count; ++i) weight[i] *= trust[c][i];
+        mixture[c].fit(color, weight, options.gaussians);
+      }
     for (std::size_t i = 0; i < count; ++i) {
       float sum = 1e-30f;
       for (std::size_t c = 0; c < n; ++c)
-        sum += now[c][i] = before[c][i] * (area[c] > 0 ? std::pow(mixture[c](color[i]), options.color) : 0.0f);
+        sum += now[c][i] = before[c][i] * std::max(trust[c][i], c == 2 ? 0.0f : 0.3f) * (area[c] > 0 ? std::pow(mixture[c](color[i]), options.color) : 0.0f);
       for (std::size_t c = 0; c < n; ++c) now[c][i] /= sum;
     }
   }
