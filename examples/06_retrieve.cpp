@@ -5,6 +5,7 @@
 // (twin/describe.h). The photo's mask and edges are described alike, and the nearest views found (twin/search.h).
 #include <CLI/CLI.hpp>
 #include <burnish/io/build_library.h>
+#include <burnish/io/embeddings.h>
 #include <burnish/io/photo.h>
 #include <burnish/twin/search.h>
 #include "cards.h"
@@ -15,7 +16,8 @@ using namespace burnish;
 namespace {
 struct Options {
   std::string photo = "/usr/share/darknet/data/dog.jpg", mask, index, output = "burnish-retrieve";
-  std::vector<std::string> folders, accept, refuse;
+  std::string by = "views", query;
+  std::vector<std::string> folders, accept, refuse, spaces;
   int top = 8, workers = 0;
   double seconds = 60;
   std::size_t megabytes = 4096;
@@ -111,7 +113,20 @@ int run(Options o) {
   Image photo;
   Mask mask;
   std::vector<float> query;
-  if (!o.index_only) {
+  std::vector<std::pair<std::string, std::string>> spaces;  // name, file
+  for (const std::string& s : o.spaces) {
+    const std::size_t equals = s.find('=');
+    if (equals == std::string::npos) throw Error("--space " + s + ": expected name=file");
+    spaces.emplace_back(s.substr(0, equals), s.substr(equals + 1));
+    read_embeddings(spaces.back().second);
+  }
+  if (!o.index_only && o.by != "views") {
+    if (o.query.empty()) throw Error("--query is missing: which vector of the space " + o.by + " is looked for?");
+    Embeddings e = read_embeddings(o.query);
+    if (int(e.rows.size()) != e.columns) throw Error(o.query + ": several rows, expected one");
+    query = std::move(e.rows);
+    normalise_rows(query, e.columns);
+  } else if (!o.index_only) {
     if (o.mask.empty() && o.photo == Options().photo) o.mask = std::string(BURNISH_EXAMPLES_DATA) + "/dog_pickup.mask.png";
     if (o.mask.empty()) throw Error("--mask is missing: which pixels of " + o.photo + " are the vehicle?");
     photo = read_photo(o.photo), mask = read_mask(o.mask, photo.width, photo.height);
@@ -127,12 +142,17 @@ int run(Options o) {
   if (std::filesystem::exists(o.index)) read_library(o.index);
   check_writable(o.output);
   catch_interrupt();
-  const LibraryBuild built = build(o, o.index);
-  const Library& library = built.library;
+  LibraryBuild built = build(o, o.index);
+  Library library = std::move(built.library);
   if (interrupted) {
     std::printf("Stopped: %d files are left; the same command goes on.\n", built.left);
     return 130;
   }
+  for (const auto& [name, file] : spaces) {
+    const int strange = add_space(library, name, read_embeddings(file), file);
+    std::printf("%-14s space %s: %d rows, %d of no vehicle here\n", "", name.c_str(), library.spaces[name].rows(), strange);
+  }
+  if (!spaces.empty()) write_library(o.index, library);
   if (o.report) {
     std::fputs(refusals(library).c_str(), stdout);
     write_text(o.output + "/refused.txt", refusals(library));
@@ -141,26 +161,39 @@ int run(Options o) {
                 o.output.c_str());
   }
   if (o.index_only) return 0;
-  const auto space = library.spaces.find("views");
+  const auto space = library.spaces.find(o.by);
   if (space == library.spaces.end() || space->second.rows() == 0)
-    throw Error(o.index + ": no vehicle is indexed, expected some; --report says why");
+    throw Error(o.index + (o.by == "views" ? ": no vehicle is indexed, expected some; --report says why"
+                                           : ": has no space " + o.by + "; --space " + o.by + "=FILE adds one"));
+  if (int(query.size()) != space->second.columns)
+    throw Error(o.query + ": " + std::to_string(query.size()) + " numbers, the space " + o.by + " has " +
+                std::to_string(space->second.columns));
   const std::vector<int> first = first_rows(library, space->second);
   Progress search("search");
   const auto found = nearest_models(space->second.values, space->second.columns, first, query, o.top);
-  search.finish(std::to_string(space->second.rows()) + " views of " +
+  search.finish(std::to_string(space->second.rows()) + " rows of " +
                 std::to_string(library.count(LibraryStatus::indexed)) + " vehicles");
 
   constexpr int width = 300, height = 200;
-  std::vector<Card> cards{{crop_of(photo, mask, width, height), "photo", std::filesystem::path(o.photo).filename().string()}};
-  nlohmann::ordered_json result = {{"photo", o.photo}, {"mask", o.mask}, {"index", o.index}, {"found", nlohmann::ordered_json::array()}};
+  std::vector<Card> cards;
+  nlohmann::ordered_json result = {{"index", o.index}, {"by", o.by}};
+  if (o.by == "views") {
+    cards.push_back({crop_of(photo, mask, width, height), "photo", std::filesystem::path(o.photo).filename().string()});
+    result["photo"] = o.photo, result["mask"] = o.mask;
+  } else result["query"] = o.query;
+  const bool views = !space->second.azimuth.empty();
   Progress drawing("draw");
   for (std::size_t k = 0; k < found.size() && !interrupted; ++k) {
     const NearestModel& f = found[k];
     const LibraryEntry& e = library.entries[std::size_t(f.model)];
-    const float azimuth = space->second.azimuth[std::size_t(f.row)], elevation = space->second.elevation[std::size_t(f.row)];
-    std::printf("%2zu  cosine %.4f  from %4.0f degrees  %s\n", k + 1, double(f.cosine), degrees(azimuth), e.path.c_str());
-    result["found"].push_back({{"name", e.name}, {"file", e.path}, {"cosine", f.cosine},
-                               {"azimuth", azimuth}, {"elevation", elevation}, {"length", e.size.x}});
+    const float azimuth = views ? space->second.azimuth[std::size_t(f.row)] : 0.6f,
+                elevation = views ? space->second.elevation[std::size_t(f.row)] : 0.2f;
+    std::printf("%2zu  cosine %.4f  ", k + 1, double(f.cosine));
+    if (views) std::printf("from %4.0f degrees  ", degrees(azimuth));
+    std::printf("%s\n", e.path.c_str());
+    nlohmann::ordered_json j = {{"name", e.name}, {"file", e.path}, {"cosine", f.cosine}, {"length", e.size.x}};
+    if (views) j["azimuth"] = azimuth, j["elevation"] = elevation;
+    result["found"].push_back(std::move(j));
     char text[80];
     std::snprintf(text, sizeof text, "%zu   cosine %.3f", k + 1, double(f.cosine));
     Image picture(width, height, {1, 1, 1});
@@ -173,7 +206,7 @@ int run(Options o) {
     cards.push_back({std::move(picture), e.name, text});
     drawing.show(int(k) + 1, int(found.size()));
   }
-  drawing.finish(std::to_string(cards.size() - 1) + " vehicles");
+  drawing.finish(std::to_string(found.size()) + " vehicles");
   write_png(o.output + "/retrieved.png", card_sheet(cards, 3));
   write_text(o.output + "/result.json", result.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n");
   std::printf("\nDone after %.1f s. %s/retrieved.png shows it, %s/result.json has the numbers.\n", whole.seconds(),
@@ -201,6 +234,12 @@ int main(int argc, char** argv) {
                  "* and ? as in a shell; the index remembers it")
       ->take_all();
   app.add_option("--refuse", o.refuse, "leave out what fits this pattern; of all such rules the last counts")->take_all();
+  app.add_option("--space", o.spaces,
+                 "name=file, as often as needed: vectors of the vehicles from elsewhere, kept in the index (.npz or "
+                 ".safetensors with names, or .npy with .npy.txt)")
+      ->take_all();
+  app.add_option("--by", o.by, "the space that is searched; others than views want --query")->capture_default_str();
+  app.add_option("--query", o.query, "the vector looked for in such a space: .npy, .npz or .safetensors");
   app.add_option("--workers", o.workers, "files read at a time; 0: one a core")->check(CLI::Range(0, 256))->capture_default_str();
   app.add_option("--seconds", o.seconds, "that reading one file may take")->check(CLI::Range(0.01, 1e6))->capture_default_str();
   app.add_option("--megabytes", o.megabytes, "of memory that reading one file may take")

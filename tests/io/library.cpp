@@ -5,6 +5,8 @@
 #include <minizip/zip.h>
 #include "files.h"
 #include <burnish/io/build_library.h>
+#include <burnish/io/embeddings.h>
+#include <burnish/twin/search.h>
 
 using namespace burnish;
 using files::error_of;
@@ -251,6 +253,46 @@ TEST_CASE("Library of files: rules overrule what was found, last one first, and 
   CHECK(back.done == 1);
   CHECK(back.library.count(LibraryStatus::indexed) == 1);
   CHECK(back.library.rules.size() == 3);
+}
+
+TEST_CASE("Library of files: vectors from elsewhere are a space that outlives the next build", "[io][agreement]") {
+  const files::Folder folder;
+  std::filesystem::create_directories(folder / "cars/van");
+  folder.write("cars/car.mtl", colors), folder.write("cars/van/car.mtl", colors);
+  folder.write("cars/a.obj", car(1.4)), folder.write("cars/van/scene.obj", car(2.1)), folder.write("cars/one.obj", car(1.4, 1));
+  const std::string index = folder / "index";
+  Library l = build(index, {folder / "cars"}).library;
+  Embeddings e{3, {0, 3, 4, 1, 0, 0, 0, 0, 2, 5, 5, 5}, {"van/scene.obj", "a", "one", "who"}};
+  CHECK(add_space(l, "clip", e, "e") == 2);  // one.obj is refused, who is not there
+  write_library(index, l);
+  // The first entry changes and goes; the other's vector stays.
+  folder.write("cars/a.obj", car(1.45));
+  const Library after = build(index, {folder / "cars"}).library;
+  REQUIRE(after.spaces.count("clip") == 1);
+  const LibrarySpace& s = after.spaces.at("clip");
+  CHECK(s.columns == 3);
+  CHECK(s.entry == std::vector{after.find(folder / "cars/van/scene.obj")});
+  for (int k = 0; k < 3; ++k) CHECK(s.values[std::size_t(k)] == Approx(std::array{0.0, 0.6, 0.8}[std::size_t(k)]).margin(1e-3));
+  const std::vector<float> query = {0, 0.6f, 0.8f};
+  const auto found = nearest_models(s.values, 3, first_rows(after, s), query, 5);
+  REQUIRE(found.size() == 1);
+  CHECK(found[0].model == s.entry[0]);
+  CHECK(found[0].cosine == Approx(1).margin(1e-3));
+
+  e.names.back() = e.names[0];
+  CHECK(has(error_of([&] { add_space(l, "views", e, "e"); }), "other than views"));
+  CHECK(has(error_of([&] { add_space(l, "clip", {1, {1}, {"who"}}, "e"); }), "e: no row has the name"));
+  CHECK(has(error_of([&] { add_space(l, "clip", {1, {1}, {}}, "e"); }), "e: no names"));
+  // As NPY with names beside, and as safetensors.
+  write_npy(folder / "e.npy", {{4, 3}, e.rows});
+  folder.write("e.npy.txt", "van\r\nb\nc\nd\n");
+  CHECK(read_embeddings(folder / "e.npy").names == std::vector<std::string>{"van", "b", "c", "d"});
+  CHECK(read_embeddings(folder / "e.npy").rows == e.rows);
+  folder.write("e.npy.txt", "a\nb\n");
+  CHECK(has(error_of([&] { read_embeddings(folder / "e.npy"); }), "4 rows and 2 names"));
+  write_safetensors(folder / "e.safetensors", {{{"x", {{2}, {1, 2}}}}, {{"names", "a"}}});
+  CHECK(read_embeddings(folder / "e.safetensors").columns == 2);
+  CHECK(has(error_of([&] { read_embeddings(folder / "e.txt"); }), "expected a file .npy"));
 }
 
 TEST_CASE("Library file: a damaged one is refused in one line, and so is a folder that is not there", "[io][limit]") {

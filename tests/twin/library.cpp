@@ -204,7 +204,8 @@ TEST_CASE("Preview: the vehicle fills the picture in its own colours on white, a
   CHECK(left + (95 - right) < 20);
   CHECK(image.at(1, 1).x > 0.99f);
   CHECK(darkest < 0.7f);
-  const vec3<float> door = pose.project({0, 0.6f, 0.85f}), pane = pose.project({0, 1.15f, 0.75f});
+  const vec3<float> door = pose.project(vec3<float>(0, 0.6f, 0.85f)),
+                    pane = pose.project(vec3<float>(0, 1.15f, 0.75f));
   const vec3<float> red = image.at(int(door.x), int(door.y)), dark = image.at(int(pane.x), int(pane.y));
   CHECK(red.x > 3 * red.y);
   CHECK(dark.x < 0.5f * red.x);

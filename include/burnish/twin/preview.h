@@ -17,8 +17,8 @@ inline Pose<float> framed(const Box& box, float azimuth, float elevation, int wi
   for (int round = 0; round < 6; ++round) {
     Box seen;
     for (int k = 0; k < 8; ++k)
-      seen.add(p.project({k & 1 ? box.low.x : box.high.x, k & 2 ? box.low.y : box.high.y,
-                          k & 4 ? box.low.z : box.high.z}));
+      seen.add(p.project(vec3<float>(k & 1 ? box.low.x : box.high.x, k & 2 ? box.low.y : box.high.y,
+                                     k & 4 ? box.low.z : box.high.z)));
     const float f = focal * float(width);
     const float scale = std::max(seen.size().x / (0.9f * float(width)), seen.size().y / (0.86f * float(height)));
     p.right -= (seen.center().x - 0.5f * float(width)) / f, p.down -= (seen.center().y - 0.5f * float(height)) / f;
