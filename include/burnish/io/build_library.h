@@ -65,7 +65,7 @@ inline Library described(LibraryEntry e, const LibraryRule* rule, const LibraryO
         s.columns = view_numbers, s.entry.assign(views.azimuth.size(), 0);
         s.azimuth = std::move(views.azimuth), s.elevation = std::move(views.elevation), s.values = std::move(views.rows);
         const Image small = preview(
-            scene, framed(box, 0.6f, 0.22f, Library::thumbnail_width, Library::thumbnail_height).camera(), 24);
+            scene, burnish::framed(box, 0.6f, 0.22f, Library::thumbnail_width, Library::thumbnail_height).camera(), 24);
         out.thumbnail_of = {0};
         for (std::size_t i = 0; i < std::size_t(small.width) * std::size_t(small.height); ++i)
           for (int c = 0; c < 3; ++c)

@@ -18,10 +18,6 @@ struct VehicleFiles {
 };
 
 namespace detail {
-inline std::string lower(std::string s) {
-  for (char& c : s) c = char(std::tolower(static_cast<unsigned char>(c)));
-  return s;
-}
 /// Formats of Assimp that hold polygons as a rule.
 inline bool is_mesh_file(const std::filesystem::path& p) {
   static const std::set<std::string> endings = {".obj", ".glb", ".gltf", ".fbx", ".dae", ".3ds", ".b3d", ".ac",  ".acc",

@@ -26,10 +26,6 @@ struct AssignOptions {
 };
 
 namespace detail {
-inline std::string lower(std::string s) {
-  for (char& c : s) c = char(std::tolower(static_cast<unsigned char>(c)));
-  return s;
-}
 /// Around every pixel of a window, which other materials are near: pixels by material.
 inline std::map<int, double> beside_windows(const std::vector<GBuffer>& views, const std::vector<PartGuess>& guess) {
   std::map<int, double> out;

@@ -16,8 +16,9 @@ struct MatchOptions {
   int azimuths = 24;        ///< views all round, at each of the elevations
   std::vector<float> elevations = {0.03f, 0.14f, 0.3f};  ///< rad
   int pixels = 192;         ///< the longer side of the vehicle's window that the last refinement works on
-  float edge_weight = 1;    ///< of the photo's edges against the outline; 0: the outline alone is refined
+  float edge_weight = 5;    ///< of the photo's edges against the outline; 0: the outline alone is refined
   bool keep_shape = true;   ///< false: what is found goes with a mesh that is stretched
+  bool hidden = true;       ///< whether something may stand before the vehicle
   float usual = 0.05f;      ///< see RefineOptions
   std::vector<float> tones = {};  ///< of the parts, see tone_of; empty: by their names
 };
@@ -91,7 +92,7 @@ std::vector<PoseCandidate> match_pose(const Raycaster& scene, const Mask& mask, 
   const EdgeField coarse_edges(coarse.photo, coarse.target.window), fine_edges(fine.photo, fine.target.window);
   const Mesh& mesh = scene.mesh();
   const MeshEdges edges(mesh);
-  RefineOptions refining{.fit_focal = options.fit_focal, .fit_shape = true, .usual = options.usual, .usual_focal = options.focal, .tones = options.tones};
+  RefineOptions refining{.fit_focal = options.fit_focal, .fit_shape = true, .hidden = options.hidden, .usual = options.usual, .usual_focal = options.focal, .tones = options.tones};
   if (refining.tones.empty())
     for (const Part& p : mesh.parts) refining.tones.push_back(tone_of(p));
   const Box box = bounds(mesh);
@@ -156,7 +157,7 @@ std::vector<PoseCandidate> match_pose(const Raycaster& scene, const Mask& mask, 
   refine(fine, &fine_edges, 24, 40);
   if (options.keep_shape) {
     for (PoseCandidate& v : views) v.stretch = {1, 1, 1};
-    refine(fine, nullptr, 8, 10, true);
+    refine(fine, &fine_edges, 8, 10, true);
   }
   choose(1.04f, second);
   double sum = 0;

@@ -34,6 +34,7 @@ struct RefineOptions {
   bool fit_focal = false;
   bool fit_shape = false;    ///< whether the mesh may be longer and higher than it is
   bool only_place = false;   ///< keeps the camera's direction, its focal length and the shape
+  bool hidden = true;        ///< whether something may stand before the vehicle: see hidden_by_others
   int steps = 30;
   float usual = 0.02f;       ///< how much it counts that photos are taken upright, from about a person's height
   float usual_focal = 1.2f;  ///< in widths of the picture: where the focal length goes when the photo does not tell
@@ -136,11 +137,26 @@ struct PoseSquares {
   }
 };
 
+/// What of the mesh's mask something else may hide: where the photo's mask lacks more than a seam, as wide as a share of
+/// the vehicle. 1 there, else 0.
+inline Mask hidden_by_others(const Mask& mesh, const Mask& photo) {
+  double area = 0;
+  Mask lacking(mesh.width, mesh.height);
+  for (std::size_t i = 0; i < std::size_t(mesh.width) * std::size_t(mesh.height); ++i)
+    lacking.values[i] = std::max(mesh.values[i] - photo.values[i], 0.0f), area += double(photo.values[i]);
+  const float seam = 0.03f * float(std::sqrt(area));
+  Mask wide = blurred(lacking, seam);
+  for (float& x : wide.values) x = x > 0.85f ? 1.0f : 0.0f;
+  wide = blurred(wide, 1.5f * seam);
+  for (std::size_t i = 0; i < std::size_t(mesh.width) * std::size_t(mesh.height); ++i)
+    wide.values[i] = lacking.values[i] > 0 && wide.values[i] > 0.02f ? 1.0f : 0.0f;
+  return wide;
+}
 }  // namespace detail
 
 /// Levenberg's and Marquardt's way (Marquardt 1963) from a pose near by. Where the target has edges, those of the mesh
 /// are found at the start and again half-way.
-inline MatchedPose refine_pose(const Raycaster& scene, const MeshEdges& edges, const PoseTarget& target,
+inline MatchedPose refine_pose(const Raycaster& scene, const MeshEdges& edges, PoseTarget target,
                                const MatchedPose& start, const RefineOptions& options) {
   using detail::PoseSquares;
   constexpr std::size_t n = PoseSquares::n;
@@ -181,11 +197,16 @@ inline MatchedPose refine_pose(const Raycaster& scene, const MeshEdges& edges, c
   Silhouette seen = look(at);
   PoseSquares here;
   for (const int round : {0, 1}) {
-    if (round && !target.edges) break;
+    if (round && !target.edges && !options.hidden) break;
+    if (round && options.hidden) {
+      const Mask hidden = detail::hidden_by_others(seen.mask, target.mask);
+      if (!target.known.width) target.known = Mask(hidden.width, hidden.height, 1);
+      for (std::size_t i = 0; i < hidden.values.size(); ++i) target.known.values[i] *= 1 - hidden.values[i];
+    }
     find_points(at);
     here = measure(seen, at, true);
     double damping = 1e-2;
-    const int steps = target.edges ? (options.steps + 1) / 2 : options.steps;
+    const int steps = target.edges || options.hidden ? (options.steps + 1) / 2 : options.steps;
     for (int step = 0; step < steps && damping < 1e6;) {
       const double misfit = here.loss;
       const PoseSquares whole = with_usual(here, at, misfit);
@@ -240,7 +261,7 @@ inline MatchedPose refine_pose(const Raycaster& scene, const MeshEdges& edges, c
                                bool fit_focal, int steps = 30) {
   const PoseTarget target{Window::whole(mask.width, mask.height), mask};
   return refine_pose(scene, edges, target, {.pose = start.resized(mask.width, mask.height), .deviation = {}},
-                     {.fit_focal = fit_focal, .steps = steps, .usual = 0, .usual_focal = start.focal});
+                     {.fit_focal = fit_focal, .hidden = false, .steps = steps, .usual = 0, .usual_focal = start.focal});
 }
 
 }  // namespace burnish

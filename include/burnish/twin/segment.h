@@ -41,9 +41,9 @@ inline cv::Mat encoded(const Image& image) {
 }
 
 /// GrabCut's mixture of five Gaussians, as it keeps it: weights, means, covariances.
-class Mixture {
+class CutColors {
 public:
-  explicit Mixture(const cv::Mat& model) {
+  explicit CutColors(const cv::Mat& model) {
     const double* m = model.ptr<double>();
     for (int k = 0; k < 5; ++k) {
       if (m[k] <= 0) continue;
@@ -166,7 +166,7 @@ inline cv::Mat cut_out(const CutWindow& window, std::optional<cv::Point> place) 
   const float beta = float(0.5 * double(pairs) / std::max(contrast, 1e-3));
 
   for (int round = 0; round < 2; ++round) {
-    const Mixture in(foreground), out(background);
+    const CutColors in(foreground), out(background);
     std::vector<float> cost(std::size_t(pieces.count), 0);
     for (int y = 0; y < h; ++y)
       for (int x = 0; x < w; ++x) {
