@@ -65,7 +65,8 @@ Image crop_of(const Image& photo, const Mask& mask, int width, int height) {
   int x0 = photo.width, y0 = photo.height, x1 = 0, y1 = 0;
   for (int y = 0; y < photo.height; ++y)
     for (int x = 0; x < photo.width; ++x)
-      if (mask.at(x, y) > 0.5f) x0 = std::min(x0, x), x1 = std::max(x1, x + 1), y0 = std::min(y0, y), y1 = std::max(y1, y + 1);
+      if (mask.at(x, y) > 0.5f)
+        x0 = std::min(x0, x), x1 = std::max(x1, x + 1), y0 = std::min(y0, y), y1 = std::max(y1, y + 1);
   const double scale = std::max(1.12 * (x1 - x0) / width, 1.12 * (y1 - y0) / height);
   const int w = std::max(1, int(width * scale)), h = std::max(1, int(height * scale));
   const int x = (x0 + x1 - w) / 2, y = (y0 + y1 - h) / 2;
@@ -93,8 +94,8 @@ LibraryBuild build(const Options& o, const std::string& index) {
   for (const std::string& n : b.notes) std::printf("  %s\n", n.c_str());
   const Library& l = b.library;
   char text[200];
-  std::snprintf(text, sizeof text, "%d files read now, %.2f s each; %d of %d known before", b.done,
-                b.done > 0 ? b.seconds / b.done : 0.0, b.found - b.done - b.left, b.found);
+  std::snprintf(text, sizeof text, "%d files read now, %.2f s each; %d known before", b.done,
+                b.done > 0 ? b.seconds / b.done : 0.0, int(l.entries.size()) - b.done);
   bar.finish(text);
   std::printf("%-14s %s: %d vehicles indexed, %d refused, %d duplicates, %d failed%s\n", "", index.c_str(),
               l.count(LibraryStatus::indexed), l.count(LibraryStatus::refused), l.count(LibraryStatus::duplicate),
@@ -127,7 +128,8 @@ int run(Options o) {
     query = std::move(e.rows);
     normalise_rows(query, e.columns);
   } else if (!o.index_only) {
-    if (o.mask.empty() && o.photo == Options().photo) o.mask = std::string(BURNISH_EXAMPLES_DATA) + "/dog_pickup.mask.png";
+    if (o.mask.empty() && o.photo == Options().photo)
+      o.mask = std::string(BURNISH_EXAMPLES_DATA) + "/dog_pickup.mask.png";
     if (o.mask.empty()) throw Error("--mask is missing: which pixels of " + o.photo + " are the vehicle?");
     photo = read_photo(o.photo), mask = read_mask(o.mask, photo.width, photo.height);
     try {
@@ -150,7 +152,8 @@ int run(Options o) {
   }
   for (const auto& [name, file] : spaces) {
     const int strange = add_space(library, name, read_embeddings(file), file);
-    std::printf("%-14s space %s: %d rows, %d of no vehicle here\n", "", name.c_str(), library.spaces[name].rows(), strange);
+    std::printf("%-14s space %s: %d rows, %d of no vehicle here\n", "", name.c_str(), library.spaces[name].rows(),
+                strange);
   }
   if (!spaces.empty()) write_library(o.index, library);
   if (o.report) {
@@ -208,7 +211,8 @@ int run(Options o) {
   }
   drawing.finish(std::to_string(found.size()) + " vehicles");
   write_png(o.output + "/retrieved.png", card_sheet(cards, 3));
-  write_text(o.output + "/result.json", result.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n");
+  write_text(o.output + "/result.json",
+             result.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n");
   std::printf("\nDone after %.1f s. %s/retrieved.png shows it, %s/result.json has the numbers.\n", whole.seconds(),
               o.output.c_str(), o.output.c_str());
   return 0;
@@ -217,31 +221,39 @@ int run(Options o) {
 
 int main(int argc, char** argv) {
   Options o;
-  CLI::App app{"Finds the CAD vehicles that look most like the one in a photo.\n\n"
-               "  06_retrieve --library cars more-cars.zip --photo street.jpg --mask car.png --output found\n\n"
-               "The index is built on the way, each file once; Ctrl-C keeps what is done. Without arguments: a pickup in\n"
-               "a street, among Sweet Home 3D's vehicles."};
+  CLI::App app{
+      "Finds the CAD vehicles that look most like the one in a photo.\n\n"
+      "  06_retrieve --library cars more-cars.zip --photo street.jpg --mask car.png --output found\n\n"
+      "The index is built on the way, each file once; Ctrl-C keeps what is done. Without arguments: a pickup in\n"
+      "a street, among Sweet Home 3D's vehicles."};
   app.option_defaults()->take_last();
-  app.add_option("--library", o.folders, "folders with vehicle files and zip archives; none: the index as it is")->take_all();
+  app.add_option("--library", o.folders, "folders with vehicle files and zip archives; none: the index as it is")
+      ->take_all();
   app.add_option("--index", o.index, "the index; if not given, library.safetensors in the output folder");
   app.add_option("--photo", o.photo, "any format OpenImageIO reads");
   app.add_option("--mask", o.mask, "the vehicle in the photo: white, same size");
   app.add_option("--top", o.top, "how many are shown")->check(CLI::Range(1, 1000))->capture_default_str();
   app.add_flag("--index-only", o.index_only, "build the index and look nothing up");
   app.add_flag("--report", o.report, "say what was refused and why, and draw all that is indexed (library.png)");
-  app.add_option("--accept", o.accept,
-                 "index what fits this pattern though it was refused, as often as needed: a name, a file or a whole path, "
-                 "* and ? as in a shell; the index remembers it")
+  app.add_option(
+         "--accept", o.accept,
+         "index what fits this pattern though it was refused, as often as needed: a name, a file or a whole path, "
+         "* and ? as in a shell; the index remembers it")
       ->take_all();
-  app.add_option("--refuse", o.refuse, "leave out what fits this pattern; of all such rules the last counts")->take_all();
+  app.add_option("--refuse", o.refuse, "leave out what fits this pattern; of all such rules the last counts")
+      ->take_all();
   app.add_option("--space", o.spaces,
                  "name=file, as often as needed: vectors of the vehicles from elsewhere, kept in the index (.npz or "
                  ".safetensors with names, or .npy with .npy.txt)")
       ->take_all();
   app.add_option("--by", o.by, "the space that is searched; others than views want --query")->capture_default_str();
   app.add_option("--query", o.query, "the vector looked for in such a space: .npy, .npz or .safetensors");
-  app.add_option("--workers", o.workers, "files read at a time; 0: one a core")->check(CLI::Range(0, 256))->capture_default_str();
-  app.add_option("--seconds", o.seconds, "that reading one file may take")->check(CLI::Range(0.01, 1e6))->capture_default_str();
+  app.add_option("--workers", o.workers, "files read at a time; 0: one a core")
+      ->check(CLI::Range(0, 256))
+      ->capture_default_str();
+  app.add_option("--seconds", o.seconds, "that reading one file may take")
+      ->check(CLI::Range(0.01, 1e6))
+      ->capture_default_str();
   app.add_option("--megabytes", o.megabytes, "of memory that reading one file may take")
       ->check(CLI::Range(64, 1 << 20))
       ->capture_default_str();
