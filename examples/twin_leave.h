@@ -153,7 +153,8 @@ public:
     };
     std::vector<std::string> jpegs;
     Image first;
-    const World& world = f.lit.world;
+    World world = f.lit.world;
+    expose(world);
     turntable::turn(scene, world.sky, world.strength, world.occluded, look, looks::developed, {.frames = frames},
                     [&](int i, const Image& picture) {
                       if (i == frames / 12) first = picture;
@@ -181,9 +182,20 @@ public:
   }
 
 private:
+  using World = shot::World;
   std::string folder_;
   Page page_;
-  using World = shot::World;
+
+  /// A photographer's exposure: what is white and lies level is nearly so. The photo may have been overexposed.
+  static void expose(World& world) {
+    const vec3<float> up(0, 1, 0);
+    const auto e = IrradianceMap(world.sky)(up);
+    vec3<float> light = vec3<float>(e[0], e[1], e[2]) * world.strength.sky;
+    for (const Sun<float>& s : world.sky.suns)
+      light += s.power * (std::max(0.0f, dot(up, s.direction))) * world.strength.sun;
+    const float k = 0.8f * pi / std::max(luminance(light), 1e-6f);
+    world.strength.sky *= k, world.strength.sun *= k, world.occluded *= k;
+  }
 };
 
 }  // namespace twin
