@@ -15,11 +15,12 @@
 #include <burnish/twin/box.h>
 #include <burnish/twin/cut.h>
 #include <burnish/twin/superpixels.h>
+#include <burnish/twin/wheels.h>
 
 namespace burnish {
 
 struct SegmentOptions {
-  int pixels = 360;      // the longer side of the box, at most, in the picture that is worked on
+  int pixels = 240;       // the longer side of the box, at most, in the picture that is worked on
   bool certainty = true;  // find out how certain the mask is; takes about as long again
 };
 struct Segmented {
@@ -76,7 +77,21 @@ private:
 inline float shape_odds(float u, float v) {
   const float wide = std::fabs(u) * (v < 0 ? 1 - 0.35f * v : 1.0f);
   const float r = std::pow(std::pow(wide, 2.5f) + std::pow(std::fabs(v), 2.5f), 0.4f);
-  return std::clamp(4 * (0.97f - r), -2.0f, 2.0f);
+  return std::clamp(2.8f * (0.97f - r), -1.4f, 1.4f);
+}
+
+/// What wheels say about a place: in them is the vehicle. Below the ground that two of them touch it is not, and hardly
+/// beside their lower quarters, where the shadow lies.
+inline float wheel_odds(const std::vector<Wheel>& wheels, float x, float y) {
+  for (const Wheel& e : wheels)
+    if (e.contains(x, y)) return 6;
+  if (wheels.size() < 2) return 0;
+  const Wheel &a = wheels[0].x < wheels[1].x ? wheels[0] : wheels[1], &b = wheels[0].x < wheels[1].x ? wheels[1] : wheels[0];
+  const float below = below_ground(a, b, x, y);
+  if (below > 0) return -6;
+  const float t = std::clamp((x - a.x) / std::max(b.x - a.x, 1.0f), 0.0f, 1.0f);
+  const float quarters = below / (0.5f * (a.ry + t * (b.ry - a.ry)));
+  return quarters > -0.8f ? -6.0f : quarters > -1.2f ? -3.0f : 0.0f;
 }
 
 /// The piece that has the place (or the largest one, where it is in none), without holes.
@@ -148,7 +163,7 @@ inline cv::Mat cut_out(const Window& window, std::optional<cv::Point> place) {
   const int step = 6;
   const Superpixels pieces = superpixels(window.image, step);
   const auto label_of = [&](int x, int y) { return pieces.label[std::size_t(y) * w + x]; };
-  // GrabCut's own weight of an edge: 50 exp(-beta d^2), beta from the mean contrast.
+  // GrabCut's weight of an edge, exp(-beta d^2), beta from the mean contrast; 25 suits logarithms that are kept small.
   double contrast = 0;
   long pairs = 0;
   const auto difference = [&](int x, int y, int i, int j) {
@@ -163,17 +178,54 @@ inline cv::Mat cut_out(const Window& window, std::optional<cv::Point> place) {
       }
   };
   each_pair([&](int x, int y, int i, int j) { contrast += difference(x, y, i, j), ++pairs; });
+  std::vector<Wheel> wheels;
   const float beta = float(0.5 * double(pairs) / std::max(contrast, 1e-3));
 
+  Mask grey(w, h), likeness(w, h);
+  for (int y = 0; y < h; ++y)
+    for (int x = 0; x < w; ++x) {
+      const cv::Vec3b& c = window.codes.at<cv::Vec3b>(y, x);
+      grey.at(x, y) = (0.2126f * float(c[0]) + 0.7152f * float(c[1]) + 0.0722f * float(c[2])) / 255;
+    }
+  std::vector<cv::Point2f> middle(std::size_t(pieces.count), cv::Point2f());
+  std::vector<float> area(middle.size(), 0);
+  for (int y = 0; y < h; ++y)
+    for (int x = 0; x < w; ++x) {
+      middle[std::size_t(label_of(x, y))] += cv::Point2f(float(x) + 0.5f, float(y) + 0.5f);
+      area[std::size_t(label_of(x, y))] += 1;
+    }
+  for (std::size_t k = 0; k < middle.size(); ++k) middle[k] /= area[k];
+  const cv::Point2f heart(0.5f * (b.x0 + b.x1), 0.5f * (b.y0 + b.y1));
+  // Star-shaped (Veksler 2008): what is in pulls in what comes next on its way to the middle.
+  const auto inwards = [&](const cv::Point2f& from, auto node_at) {
+    const int self = node_at(int(from.x), int(from.y));
+    const cv::Point2f to = heart - from;
+    const float length = std::hypot(to.x, to.y);
+    if (!b.contains(from.x, from.y)) return -1;
+    for (float d = 1; d < length; d += 1) {
+      const cv::Point2f on = from + to * (d / length);
+      if (const int next = node_at(int(on.x), int(on.y)); next != self) return next;
+    }
+    return -1;
+  };
   for (int round = 0; round < 2; ++round) {
     const Mixture in(foreground), out(background);
-    std::vector<float> cost(std::size_t(pieces.count), 0);
     for (int y = 0; y < h; ++y)
       for (int x = 0; x < w; ++x) {
         const cv::Vec3b& c = window.codes.at<cv::Vec3b>(y, x);
+        likeness.at(x, y) = 0.5f * std::clamp(in.log(c) - out.log(c), -3.0f, 3.0f);
+      }
+    if (round == 0) {
+      wheels = find_wheels(grey, likeness, b);
+      for (int y = 0; y < h; ++y)
+        for (int x = 0; x < w; ++x) odds.at<float>(y, x) += wheel_odds(wheels, float(x) + 0.5f, float(y) + 0.5f);
+    }
+    std::vector<float> cost(std::size_t(pieces.count), 0);
+    for (int y = 0; y < h; ++y)
+      for (int x = 0; x < w; ++x) {
         float& sum = cost[std::size_t(label_of(x, y))];
         if (outside.at<std::uint8_t>(y, x)) sum -= 100;
-        else sum += std::clamp(in.log(c) - out.log(c), -3.0f, 3.0f) + odds.at<float>(y, x);
+        else sum += likeness.at(x, y) + odds.at<float>(y, x);
       }
     if (place) cost[std::size_t(label_of(place->x, place->y))] = 1e6f;
     MinimumCut graph(pieces.count);
@@ -181,9 +233,11 @@ inline cv::Mat cut_out(const Window& window, std::optional<cv::Point> place) {
     std::map<std::pair<int, int>, float> edges;
     each_pair([&](int x, int y, int i, int j) {
       const int p = label_of(x, y), q = label_of(i, j);
-      if (p != q) edges[std::minmax(p, q)] += 50 * std::exp(-beta * difference(x, y, i, j));
+      if (p != q) edges[std::minmax(p, q)] += 25 * std::exp(-beta * difference(x, y, i, j));
     });
     for (const auto& [pair, weight] : edges) graph.edge(pair.first, pair.second, weight);
+    for (int k = 0; k < pieces.count; ++k)
+      if (const int next = inwards(middle[std::size_t(k)], label_of); next >= 0) graph.follow(k, next);
     const std::vector<bool> inside = graph.solve();
     for (int y = 0; y < h; ++y)
       for (int x = 0; x < w; ++x) {
@@ -199,11 +253,39 @@ inline cv::Mat cut_out(const Window& window, std::optional<cv::Point> place) {
   // Along the outline the pixels decide.
   const cv::Mat mine = one_piece((labels & 1) * 255, place);
   cv::Mat core, reach;
-  const cv::Mat disc = cv::getStructuringElement(cv::MORPH_ELLIPSE, {step, step});
+  const cv::Mat disc = cv::getStructuringElement(cv::MORPH_ELLIPSE, {2 * step - 1, 2 * step - 1});
   cv::erode(mine, core, disc), cv::dilate(mine, reach, disc);
-  labels.setTo(cv::GC_BGD, reach == 0);
-  labels.setTo(cv::GC_FGD, core);
-  if (cv::countNonZero(core) > 0) cv::grabCut(window.codes, labels, {}, background, foreground, 1, cv::GC_EVAL);
+  cv::Mat node(h, w, CV_32S);
+  int nodes = 0;
+  for (int y = 0; y < h; ++y)
+    for (int x = 0; x < w; ++x) {
+      const bool open = reach.at<std::uint8_t>(y, x) && !core.at<std::uint8_t>(y, x) && !outside.at<std::uint8_t>(y, x);
+      node.at<int>(y, x) = open ? nodes++ : -1;
+    }
+  MinimumCut graph(nodes);
+  const auto is_core = [&](int x, int y) { return core.at<std::uint8_t>(y, x) != 0; };
+  for (int y = 0; y < h; ++y)
+    for (int x = 0; x < w; ++x)
+      if (const int k = node.at<int>(y, x); k >= 0) graph.node(k, 0, likeness.at(x, y) + odds.at<float>(y, x));
+  each_pair([&](int x, int y, int i, int j) {
+    const int p = node.at<int>(y, x), q = node.at<int>(j, i);
+    const float weight = 25 * std::exp(-beta * difference(x, y, i, j));
+    if (p >= 0 && q >= 0) graph.edge(p, q, weight);
+    else if (p >= 0) graph.node(p, is_core(i, j) ? 0 : weight, is_core(i, j) ? weight : 0);
+    else if (q >= 0) graph.node(q, is_core(x, y) ? 0 : weight, is_core(x, y) ? weight : 0);
+  });
+  for (int y = 0; y < h; ++y)
+    for (int x = 0; x < w; ++x) {
+      if (node.at<int>(y, x) < 0) continue;
+      const int next = inwards({float(x) + 0.5f, float(y) + 0.5f}, [&](int i, int j) { return node.at<int>(j, i); });
+      if (next >= 0) graph.follow(node.at<int>(y, x), next);
+    }
+  const std::vector<bool> inside = graph.solve();
+  for (int y = 0; y < h; ++y)
+    for (int x = 0; x < w; ++x) {
+      const int k = node.at<int>(y, x);
+      labels.at<std::uint8_t>(y, x) = k >= 0 ? inside[std::size_t(k)] : is_core(x, y);
+    }
   cv::Mat smooth;
   cv::morphologyEx((labels & 1) * 255, smooth, cv::MORPH_OPEN, cv::getStructuringElement(cv::MORPH_ELLIPSE, {3, 3}));
   return one_piece(smooth, place);
