@@ -140,7 +140,7 @@ struct Window {
 };
 
 /// 255 in, 0 out, for the window's box.
-inline cv::Mat cut_out(const Window& window, std::optional<cv::Point> place) {
+inline cv::Mat cut_out(const Window& window, std::optional<cv::Point> place, std::vector<Wheel>* found = nullptr) {
   const int w = window.image.width, h = window.image.height;
   const PixelBox& b = window.box;
   cv::Mat odds(h, w, CV_32F), labels(h, w, CV_8U);
@@ -217,6 +217,7 @@ inline cv::Mat cut_out(const Window& window, std::optional<cv::Point> place) {
       }
     if (round == 0) {
       wheels = find_wheels(grey, likeness, b);
+      if (found) *found = wheels;
       for (int y = 0; y < h; ++y)
         for (int x = 0; x < w; ++x) odds.at<float>(y, x) += wheel_odds(wheels, float(x) + 0.5f, float(y) + 0.5f);
     }
@@ -292,6 +293,69 @@ inline cv::Mat cut_out(const Window& window, std::optional<cv::Point> place) {
 }
 }  // namespace detail
 
+namespace detail {
+inline PixelBox around(const cv::Mat& labels) {
+  const cv::Rect r = cv::boundingRect(labels);
+  return {float(r.x), float(r.y), float(r.x + r.width), float(r.y + r.height)};
+}
+/// How much a mask looks like a whole thing: the share of its outline where colours change (a difference of 40 codes or
+/// more counts whole), times what its wheels and a vehicle's proportions add.
+inline float wholeness(const Window& window, const cv::Mat& labels, const std::vector<Wheel>& wheels) {
+  const int w = labels.cols, h = labels.rows, reach = 3;
+  double sum = 0;
+  int outline = 0;
+  const auto in = [&](int x, int y) { return x >= 0 && y >= 0 && x < w && y < h && labels.at<std::uint8_t>(y, x); };
+  cv::Mat smooth;
+  cv::blur(window.codes, smooth, {3, 3});
+  for (int y = 0; y < h; ++y)
+    for (int x = 0; x < w; ++x) {
+      if (!in(x, y)) continue;
+      for (const auto& d : {std::array{1, 0}, std::array{-1, 0}, std::array{0, 1}, std::array{0, -1}}) {
+        if (in(x + d[0], y + d[1])) continue;
+        ++outline;
+        const cv::Point p(x - reach * d[0] / 2, y - reach * d[1] / 2), q(x + reach * d[0], y + reach * d[1]);
+        const cv::Rect all(0, 0, w, h);
+        if (!all.contains(p) || !all.contains(q)) continue;  // cut by the window: no evidence
+        const cv::Vec3f step = cv::Vec3f(smooth.at<cv::Vec3b>(p)) - cv::Vec3f(smooth.at<cv::Vec3b>(q));
+        sum += std::min(1.0, cv::norm(step) / 40);
+      }
+    }
+  if (outline == 0) return 0;
+  const PixelBox b = around(labels);
+  const float aspect = b.width() / std::max(b.height(), 1.0f), fill = float(cv::countNonZero(labels)) / std::max(b.area(), 1.0f);
+  const float off = std::max({0.0f, 0.9f - aspect, (aspect - 3.2f) / 2, 2 * (0.6f - fill), 3 * (fill - 0.92f)});
+  return float(sum / outline) * (1 + 0.35f * float(wheels.size())) * std::exp(-3 * off);
+}
+/// A box around the thing at a place of the photo. From boxes of many sizes a mask is grown, the box is laid around it,
+/// and so on; the one that is most like a whole thing is kept, larger ones first among equals.
+inline PixelBox guess_box(const Image& photo, float x, float y) {
+  PixelBox best;
+  float most = -1;
+  const float large = float(std::max(photo.width, photo.height));
+  for (float size = 0.06f; size < 1.0f; size *= 1.35f) {
+    const float w = size * large, h = w / 1.9f;
+    PixelBox box{x - 0.5f * w, y - 0.5f * h, x + 0.5f * w, y + 0.5f * h};
+    for (int round = 0; round < 4; ++round) {
+      box = {std::max(box.x0, 0.0f), std::max(box.y0, 0.0f), std::min(box.x1, float(photo.width)), std::min(box.y1, float(photo.height))};
+      const Window window(photo, box, 96);
+      const float sx = float(window.image.width) / float(window.w), sy = float(window.image.height) / float(window.h);
+      const cv::Point place(int((x - float(window.x)) * sx), int((y - float(window.y)) * sy));
+      std::vector<Wheel> wheels;
+      const cv::Mat labels = cut_out(window, place, &wheels);
+      const PixelBox b = around(labels);
+      if (b.area() <= 0) break;
+      const PixelBox next{float(window.x) + b.x0 / sx, float(window.y) + b.y0 / sy, float(window.x) + b.x1 / sx, float(window.y) + b.y1 / sy};
+      const float score = wholeness(window, labels, wheels) * std::pow(next.area() / (large * large), 0.1f);
+      if (std::getenv("GUESS")) std::printf("  size %.2f round %d: %4.0f %4.0f %4.0f %4.0f  whole %.3f score %.3f wheels %zu\n", double(size), round, double(next.x0), double(next.y0), double(next.x1), double(next.y1), double(wholeness(window, labels, wheels)), double(score), wheels.size());
+      if (score > most) most = score, best = next;
+      if (iou(next, box) > 0.93f) break;
+      box = next.grown(0.12f, photo.width, photo.height);
+    }
+  }
+  return best;
+}
+}  // namespace detail
+
 /// The vehicle in a box, which may be some percent off. The mask is empty where nothing in the box stands out.
 inline Segmented segment(const Image& photo, const PixelBox& box, const SegmentOptions& options = {}) {
   Segmented s;
@@ -299,6 +363,9 @@ inline Segmented segment(const Image& photo, const PixelBox& box, const SegmentO
   const cv::Mat labels = detail::cut_out(window, {});
   s.mask = window.to_photo(labels, photo);
   return s;
+}
+inline Segmented segment(const Image& photo, float x, float y, const SegmentOptions& options = {}) {
+  return segment(photo, detail::guess_box(photo, x, y).grown(0.02f, photo.width, photo.height), options);
 }
 
 }  // namespace burnish
