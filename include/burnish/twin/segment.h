@@ -5,16 +5,14 @@
 // superpixels, where a vehicle's usual shape has a say, and once more on the pixels along the outline.
 #pragma once
 #include <array>
-#include <map>
-#include <utility>
 #include <cmath>
 #include <optional>
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
+#include <burnish/ad/parallel.h>
 #include <burnish/scene/image.h>
 #include <burnish/twin/box.h>
-#include <burnish/twin/cut.h>
-#include <burnish/twin/superpixels.h>
+#include <burnish/twin/star_cut.h>
 #include <burnish/twin/wheels.h>
 
 namespace burnish {
@@ -139,233 +137,199 @@ struct Window {
   }
 };
 
-/// 255 in, 0 out, for the window's box.
-inline cv::Mat cut_out(const Window& window, std::optional<cv::Point> place, std::vector<Wheel>* found = nullptr) {
-  const int w = window.image.width, h = window.image.height;
+/// A mask of a window, 255 in and 0 out, and what was seen on the way.
+struct Cut {
+  cv::Mat labels;
+  std::vector<Wheel> wheels;
+};
+/// The vehicle in the window's box. place, where there is one, is in it.
+inline Cut cut_out(const Window& window, std::optional<cv::Point> place) {
+  const int w = window.image.width, h = window.image.height, keep = place ? place->y * w + place->x : -1;
   const PixelBox& b = window.box;
-  cv::Mat odds(h, w, CV_32F), labels(h, w, CV_8U);
+  Mask odds(w, h), grey(w, h), likeness(w, h);
+  cv::Mat labels(h, w, CV_8U, cv::Scalar(cv::GC_BGD));
   for (int y = 0; y < h; ++y)
     for (int x = 0; x < w; ++x) {
       const float px = float(x) + 0.5f, py = float(y) + 0.5f;
-      const float o = shape_odds(2 * (px - b.x0) / b.width() - 1, 2 * (py - b.y0) / b.height() - 1);
-      odds.at<float>(y, x) = o;
-      labels.at<std::uint8_t>(y, x) = std::uint8_t(!b.contains(px, py) ? cv::GC_BGD : o > 0 ? cv::GC_PR_FGD : cv::GC_PR_BGD);
-    }
-  const cv::Mat outside = labels == cv::GC_BGD;
-  if (cv::countNonZero(outside) == 0) {  // a box as large as the photo: its rim is background
-    cv::rectangle(labels, {0, 0, w, h}, cv::GC_BGD, 2);
-  }
-  if (place) cv::circle(labels, *place, 2, cv::GC_FGD, -1);
-  cv::Mat background, foreground;
-  cv::setRNGSeed(1);
-  cv::grabCut(window.codes, labels, {}, background, foreground, 4, cv::GC_INIT_WITH_MASK);
-
-  const int step = 6;
-  const Superpixels pieces = superpixels(window.image, step);
-  const auto label_of = [&](int x, int y) { return pieces.label[std::size_t(y) * w + x]; };
-  // GrabCut's weight of an edge, exp(-beta d^2), beta from the mean contrast; 25 suits logarithms that are kept small.
-  double contrast = 0;
-  long pairs = 0;
-  const auto difference = [&](int x, int y, int i, int j) {
-    const cv::Vec3f d = cv::Vec3f(window.codes.at<cv::Vec3b>(y, x)) - cv::Vec3f(window.codes.at<cv::Vec3b>(j, i));
-    return d.dot(d);
-  };
-  const auto each_pair = [&](auto f) {
-    for (int y = 0; y < h; ++y)
-      for (int x = 0; x < w; ++x) {
-        if (x + 1 < w) f(x, y, x + 1, y);
-        if (y + 1 < h) f(x, y, x, y + 1);
-      }
-  };
-  each_pair([&](int x, int y, int i, int j) { contrast += difference(x, y, i, j), ++pairs; });
-  std::vector<Wheel> wheels;
-  const float beta = float(0.5 * double(pairs) / std::max(contrast, 1e-3));
-
-  Mask grey(w, h), likeness(w, h);
-  for (int y = 0; y < h; ++y)
-    for (int x = 0; x < w; ++x) {
       const cv::Vec3b& c = window.codes.at<cv::Vec3b>(y, x);
-      grey.at(x, y) = (0.2126f * float(c[0]) + 0.7152f * float(c[1]) + 0.0722f * float(c[2])) / 255;
+      grey.at(x, y) = luminance(vec3<float>(c[0], c[1], c[2])) / 255;
+      odds.at(x, y) = shape_odds(2 * (px - b.x0) / b.width() - 1, 2 * (py - b.y0) / b.height() - 1);
+      if (b.contains(px, py)) labels.at<std::uint8_t>(y, x) = odds.at(x, y) > 0 ? cv::GC_PR_FGD : cv::GC_PR_BGD;
     }
-  std::vector<cv::Point2f> middle(std::size_t(pieces.count), cv::Point2f());
-  std::vector<float> area(middle.size(), 0);
-  for (int y = 0; y < h; ++y)
-    for (int x = 0; x < w; ++x) {
-      middle[std::size_t(label_of(x, y))] += cv::Point2f(float(x) + 0.5f, float(y) + 0.5f);
-      area[std::size_t(label_of(x, y))] += 1;
-    }
-  for (std::size_t k = 0; k < middle.size(); ++k) middle[k] /= area[k];
-  const cv::Point2f heart(0.5f * (b.x0 + b.x1), 0.5f * (b.y0 + b.y1));
-  // Star-shaped (Veksler 2008): what is in pulls in what comes next on its way to the middle.
-  const auto inwards = [&](const cv::Point2f& from, auto node_at) {
-    const int self = node_at(int(from.x), int(from.y));
-    const cv::Point2f to = heart - from;
-    const float length = std::hypot(to.x, to.y);
-    if (!b.contains(from.x, from.y)) return -1;
-    for (float d = 1; d < length; d += 1) {
-      const cv::Point2f on = from + to * (d / length);
-      if (const int next = node_at(int(on.x), int(on.y)); next != self) return next;
-    }
-    return -1;
-  };
-  for (int round = 0; round < 2; ++round) {
+  if (cv::countNonZero(labels) == w * h) cv::rectangle(labels, {0, 0, w, h}, cv::GC_BGD, 2);  // something must be out
+  if (cv::countNonZero(labels == cv::GC_PR_FGD) < 25) return {cv::Mat::zeros(h, w, CV_8U), {}};
+  cv::Mat background, foreground;
+  const auto learn = [&](int rounds, int mode) {
+    cv::Mat learning = labels.clone();
+    if (place) cv::circle(learning, *place, 2, cv::GC_FGD, -1);
+    cv::setRNGSeed(1);
+    cv::grabCut(window.codes, learning, {}, background, foreground, rounds, mode);
     const Mixture in(foreground), out(background);
     for (int y = 0; y < h; ++y)
       for (int x = 0; x < w; ++x) {
         const cv::Vec3b& c = window.codes.at<cv::Vec3b>(y, x);
         likeness.at(x, y) = 0.5f * std::clamp(in.log(c) - out.log(c), -3.0f, 3.0f);
       }
-    if (round == 0) {
-      wheels = find_wheels(grey, likeness, b);
-      if (found) *found = wheels;
-      for (int y = 0; y < h; ++y)
-        for (int x = 0; x < w; ++x) odds.at<float>(y, x) += wheel_odds(wheels, float(x) + 0.5f, float(y) + 0.5f);
+  };
+  const auto sum = [&] {
+    Mask all = odds;
+    for (std::size_t i = 0; i < all.values.size(); ++i) all.values[i] += likeness.values[i];
+    return all;
+  };
+  learn(4, cv::GC_INIT_WITH_MASK);
+  Cut cut;
+  cut.wheels = find_wheels(grey, likeness, b);
+  for (int y = 0; y < h; ++y)
+    for (int x = 0; x < w; ++x) odds.at(x, y) += wheel_odds(cut.wheels, float(x) + 0.5f, float(y) + 0.5f);
+  const StarCut star(window.image, b);
+  std::vector<char> in = star.by_pieces(sum(), keep);
+  const auto take = [&] {
+    for (int i = 0; i < w * h; ++i) {
+      std::uint8_t& label = labels.at<std::uint8_t>(i / w, i % w);
+      if (label != cv::GC_BGD) label = in[std::size_t(i)] ? cv::GC_PR_FGD : cv::GC_PR_BGD;
     }
-    std::vector<float> cost(std::size_t(pieces.count), 0);
-    for (int y = 0; y < h; ++y)
-      for (int x = 0; x < w; ++x) {
-        float& sum = cost[std::size_t(label_of(x, y))];
-        if (outside.at<std::uint8_t>(y, x)) sum -= 100;
-        else sum += likeness.at(x, y) + odds.at<float>(y, x);
-      }
-    if (place) cost[std::size_t(label_of(place->x, place->y))] = 1e6f;
-    MinimumCut graph(pieces.count);
-    for (int k = 0; k < pieces.count; ++k) graph.node(k, 0, cost[std::size_t(k)]);
-    std::map<std::pair<int, int>, float> edges;
-    each_pair([&](int x, int y, int i, int j) {
-      const int p = label_of(x, y), q = label_of(i, j);
-      if (p != q) edges[std::minmax(p, q)] += 25 * std::exp(-beta * difference(x, y, i, j));
-    });
-    for (const auto& [pair, weight] : edges) graph.edge(pair.first, pair.second, weight);
-    for (int k = 0; k < pieces.count; ++k)
-      if (const int next = inwards(middle[std::size_t(k)], label_of); next >= 0) graph.follow(k, next);
-    const std::vector<bool> inside = graph.solve();
-    for (int y = 0; y < h; ++y)
-      for (int x = 0; x < w; ++x) {
-        std::uint8_t& label = labels.at<std::uint8_t>(y, x);
-        label = std::uint8_t(inside[std::size_t(label_of(x, y))] ? cv::GC_PR_FGD : cv::GC_PR_BGD);
-        if (outside.at<std::uint8_t>(y, x)) label = cv::GC_BGD;
-      }
-    if (place) cv::circle(labels, *place, 2, cv::GC_FGD, -1);
-    if (round == 1) break;
-    cv::Mat again = labels.clone();
-    cv::grabCut(window.codes, again, {}, background, foreground, 1, cv::GC_EVAL);
-  }
+    return one_piece((labels & 1) * 255, place);
+  };
+  take();
+  if (cv::countNonZero(labels == cv::GC_PR_FGD) < 25) return {cv::Mat::zeros(h, w, CV_8U), {}};
+  learn(1, cv::GC_EVAL);
+  in = star.by_pieces(sum(), keep);
   // Along the outline the pixels decide.
-  const cv::Mat mine = one_piece((labels & 1) * 255, place);
+  const cv::Mat mine = take();
   cv::Mat core, reach;
-  const cv::Mat disc = cv::getStructuringElement(cv::MORPH_ELLIPSE, {2 * step - 1, 2 * step - 1});
+  const int across = 2 * StarCut::step - 1;
+  const cv::Mat disc = cv::getStructuringElement(cv::MORPH_ELLIPSE, {across, across});
   cv::erode(mine, core, disc), cv::dilate(mine, reach, disc);
-  cv::Mat node(h, w, CV_32S);
-  int nodes = 0;
-  for (int y = 0; y < h; ++y)
-    for (int x = 0; x < w; ++x) {
-      const bool open = reach.at<std::uint8_t>(y, x) && !core.at<std::uint8_t>(y, x) && !outside.at<std::uint8_t>(y, x);
-      node.at<int>(y, x) = open ? nodes++ : -1;
-    }
-  MinimumCut graph(nodes);
-  const auto is_core = [&](int x, int y) { return core.at<std::uint8_t>(y, x) != 0; };
-  for (int y = 0; y < h; ++y)
-    for (int x = 0; x < w; ++x)
-      if (const int k = node.at<int>(y, x); k >= 0) graph.node(k, 0, likeness.at(x, y) + odds.at<float>(y, x));
-  each_pair([&](int x, int y, int i, int j) {
-    const int p = node.at<int>(y, x), q = node.at<int>(j, i);
-    const float weight = 25 * std::exp(-beta * difference(x, y, i, j));
-    if (p >= 0 && q >= 0) graph.edge(p, q, weight);
-    else if (p >= 0) graph.node(p, is_core(i, j) ? 0 : weight, is_core(i, j) ? weight : 0);
-    else if (q >= 0) graph.node(q, is_core(x, y) ? 0 : weight, is_core(x, y) ? weight : 0);
-  });
-  for (int y = 0; y < h; ++y)
-    for (int x = 0; x < w; ++x) {
-      if (node.at<int>(y, x) < 0) continue;
-      const int next = inwards({float(x) + 0.5f, float(y) + 0.5f}, [&](int i, int j) { return node.at<int>(j, i); });
-      if (next >= 0) graph.follow(node.at<int>(y, x), next);
-    }
-  const std::vector<bool> inside = graph.solve();
-  for (int y = 0; y < h; ++y)
-    for (int x = 0; x < w; ++x) {
-      const int k = node.at<int>(y, x);
-      labels.at<std::uint8_t>(y, x) = k >= 0 ? inside[std::size_t(k)] : is_core(x, y);
-    }
+  std::vector<char> open(in.size());
+  for (int i = 0; i < w * h; ++i) {
+    in[std::size_t(i)] = core.at<std::uint8_t>(i / w, i % w) != 0;
+    open[std::size_t(i)] = reach.at<std::uint8_t>(i / w, i % w) && !in[std::size_t(i)];
+  }
+  in = star.by_pixels(sum(), std::move(in), open);
   cv::Mat smooth;
-  cv::morphologyEx((labels & 1) * 255, smooth, cv::MORPH_OPEN, cv::getStructuringElement(cv::MORPH_ELLIPSE, {3, 3}));
-  return one_piece(smooth, place);
+  cv::morphologyEx(cv::Mat(h, w, CV_8U, in.data()) * 255, smooth, cv::MORPH_OPEN,
+                   cv::getStructuringElement(cv::MORPH_ELLIPSE, {3, 3}));
+  cut.labels = one_piece(smooth, place);
+  return cut;
 }
-}  // namespace detail
-
-namespace detail {
 inline PixelBox around(const cv::Mat& labels) {
   const cv::Rect r = cv::boundingRect(labels);
   return {float(r.x), float(r.y), float(r.x + r.width), float(r.y + r.height)};
 }
 /// How much a mask looks like a whole thing: the share of its outline where colours change (a difference of 40 codes or
-/// more counts whole), times what its wheels and a vehicle's proportions add.
-inline float wholeness(const Window& window, const cv::Mat& labels, const std::vector<Wheel>& wheels) {
-  const int w = labels.cols, h = labels.rows, reach = 3;
-  double sum = 0;
-  int outline = 0;
-  const auto in = [&](int x, int y) { return x >= 0 && y >= 0 && x < w && y < h && labels.at<std::uint8_t>(y, x); };
+/// more counts whole), times what wheels and a vehicle's proportions add.
+inline float wholeness(const Window& window, const Cut& cut) {
+  const int w = cut.labels.cols, h = cut.labels.rows;
+  const cv::Rect all(0, 0, w, h);
+  const auto in = [&](const cv::Point& p) { return all.contains(p) && cut.labels.at<std::uint8_t>(p); };
   cv::Mat smooth;
   cv::blur(window.codes, smooth, {3, 3});
+  double sum = 0;
+  int outline = 0;
   for (int y = 0; y < h; ++y)
-    for (int x = 0; x < w; ++x) {
-      if (!in(x, y)) continue;
-      for (const auto& d : {std::array{1, 0}, std::array{-1, 0}, std::array{0, 1}, std::array{0, -1}}) {
-        if (in(x + d[0], y + d[1])) continue;
+    for (int x = 0; x < w; ++x)
+      for (const cv::Point& d : {cv::Point(1, 0), cv::Point(-1, 0), cv::Point(0, 1), cv::Point(0, -1)}) {
+        const cv::Point p(x, y);
+        if (!in(p) || in(p + d)) continue;
         ++outline;
-        const cv::Point p(x - reach * d[0] / 2, y - reach * d[1] / 2), q(x + reach * d[0], y + reach * d[1]);
-        const cv::Rect all(0, 0, w, h);
-        if (!all.contains(p) || !all.contains(q)) continue;  // cut by the window: no evidence
-        const cv::Vec3f step = cv::Vec3f(smooth.at<cv::Vec3b>(p)) - cv::Vec3f(smooth.at<cv::Vec3b>(q));
+        if (!all.contains(p + 3 * d) || !all.contains(p - d)) continue;  // at the window's rim: no evidence
+        const cv::Vec3f step = cv::Vec3f(smooth.at<cv::Vec3b>(p - d)) - cv::Vec3f(smooth.at<cv::Vec3b>(p + 3 * d));
         sum += std::min(1.0, cv::norm(step) / 40);
       }
-    }
   if (outline == 0) return 0;
-  const PixelBox b = around(labels);
-  const float aspect = b.width() / std::max(b.height(), 1.0f), fill = float(cv::countNonZero(labels)) / std::max(b.area(), 1.0f);
-  const float off = std::max({0.0f, 0.9f - aspect, (aspect - 3.2f) / 2, 2 * (0.6f - fill), 3 * (fill - 0.92f)});
-  return float(sum / outline) * (1 + 0.35f * float(wheels.size())) * std::exp(-3 * off);
+  const PixelBox b = around(cut.labels);
+  const float aspect = b.width() / b.height(), fill = float(cv::countNonZero(cut.labels)) / b.area();
+  const float off = std::max({0.0f, 0.9f - aspect, 0.5f * (aspect - 3.2f), 2 * (0.6f - fill), 3 * (fill - 0.92f)});
+  const float wheels = cut.wheels.size() == 2 ? 1.4f : cut.wheels.size() == 1 ? 1.1f : 1.0f;
+  return float(sum / outline) * wheels * std::exp(-3 * off);
 }
-/// A box around the thing at a place of the photo. From boxes of many sizes a mask is grown, the box is laid around it,
-/// and so on; the one that is most like a whole thing is kept, larger ones first among equals.
-inline PixelBox guess_box(const Image& photo, float x, float y) {
-  PixelBox best;
-  float most = -1;
-  const float large = float(std::max(photo.width, photo.height));
-  for (float size = 0.06f; size < 1.0f; size *= 1.35f) {
-    const float w = size * large, h = w / 1.9f;
-    PixelBox box{x - 0.5f * w, y - 0.5f * h, x + 0.5f * w, y + 0.5f * h};
-    for (int round = 0; round < 4; ++round) {
-      box = {std::max(box.x0, 0.0f), std::max(box.y0, 0.0f), std::min(box.x1, float(photo.width)), std::min(box.y1, float(photo.height))};
-      const Window window(photo, box, 96);
-      const float sx = float(window.image.width) / float(window.w), sy = float(window.image.height) / float(window.h);
-      const cv::Point place(int((x - float(window.x)) * sx), int((y - float(window.y)) * sy));
-      std::vector<Wheel> wheels;
-      const cv::Mat labels = cut_out(window, place, &wheels);
-      const PixelBox b = around(labels);
-      if (b.area() <= 0) break;
-      const PixelBox next{float(window.x) + b.x0 / sx, float(window.y) + b.y0 / sy, float(window.x) + b.x1 / sx, float(window.y) + b.y1 / sy};
-      const float score = wholeness(window, labels, wheels) * std::pow(next.area() / (large * large), 0.1f);
-      if (std::getenv("GUESS")) std::printf("  size %.2f round %d: %4.0f %4.0f %4.0f %4.0f  whole %.3f score %.3f wheels %zu\n", double(size), round, double(next.x0), double(next.y0), double(next.x1), double(next.y1), double(wholeness(window, labels, wheels)), double(score), wheels.size());
-      if (score > most) most = score, best = next;
-      if (iou(next, box) > 0.93f) break;
-      box = next.grown(0.12f, photo.width, photo.height);
-    }
+struct Guess {
+  PixelBox box;
+  float score = 0;
+};
+/// A box around the thing at a place of the photo: a mask is grown in a box of the given width, a box laid around it, and
+/// so on; the one that is most like a whole thing is kept, of two alike the larger.
+inline Guess guess_box(const Image& photo, float x, float y, float width) {
+  Guess best;
+  PixelBox box{x - 0.5f * width, y - 0.26f * width, x + 0.5f * width, y + 0.26f * width};
+  for (int round = 0; round < 4; ++round) {
+    const Window window(photo, box.grown(0, photo.width, photo.height), 96);
+    const float sx = float(window.image.width) / float(window.w), sy = float(window.image.height) / float(window.h);
+    const cv::Point place(int((x - float(window.x)) * sx), int((y - float(window.y)) * sy));
+    const Cut cut = cut_out(window, place);
+    const PixelBox b = around(cut.labels);
+    if (b.area() <= 0) break;
+    const PixelBox next{float(window.x) + b.x0 / sx, float(window.y) + b.y0 / sy, float(window.x) + b.x1 / sx,
+                        float(window.y) + b.y1 / sy};
+    const float score = wholeness(window, cut) * std::pow(next.area(), 0.2f);
+    if (score > best.score) best = {next, score};
+    if (iou(next, box) > 0.93f) break;
+    box = next.grown(0.12f, photo.width, photo.height);
   }
   return best;
+}
+/// The mean IoU of the masks in boxes some percent off with that in the box itself, all in small.
+inline float steadiness(const Image& photo, const PixelBox& box) {
+  const float dx = 0.04f * box.width(), dy = 0.04f * box.height();
+  const PixelBox boxes[] = {box,
+                            {box.x0 - dx, box.y0 - dy, box.x1 + dx, box.y1 + dy},
+                            {box.x0 + 0.5f * dx, box.y0 + 0.5f * dy, box.x1 - 0.5f * dx, box.y1 - 0.5f * dy},
+                            {box.x0 + dx, box.y0 - dy, box.x1 + dx, box.y1 - dy},
+                            {box.x0 - dx, box.y0 + dy, box.x1 - dx, box.y1 + dy}};
+  // All are cut out of one window, so that their pixels are the same.
+  const Window window(photo, box, 120);
+  const float sx = float(window.image.width) / float(window.w), sy = float(window.image.height) / float(window.h);
+  std::array<cv::Mat, 5> masks;
+  parallel_for(5, [&](int i) {
+    Window shifted = window;
+    const PixelBox& b = boxes[i];
+    shifted.box = {(b.x0 - float(window.x)) * sx, (b.y0 - float(window.y)) * sy, (b.x1 - float(window.x)) * sx,
+                   (b.y1 - float(window.y)) * sy};
+    masks[std::size_t(i)] = cut_out(shifted, {}).labels;
+  });
+  float sum = 0;
+  for (std::size_t i = 1; i < 5; ++i) {
+    const int any = cv::countNonZero(masks[0] | masks[i]);
+    sum += any ? float(cv::countNonZero(masks[0] & masks[i])) / float(any) : 0;
+  }
+  return sum / 4;
 }
 }  // namespace detail
 
 /// The vehicle in a box, which may be some percent off. The mask is empty where nothing in the box stands out.
 inline Segmented segment(const Image& photo, const PixelBox& box, const SegmentOptions& options = {}) {
   Segmented s;
-  const detail::Window window(photo, box.grown(0.02f, photo.width, photo.height), options.pixels);
-  const cv::Mat labels = detail::cut_out(window, {});
+  s.mask = Mask(photo.width, photo.height);
+  const PixelBox larger = box.grown(0.02f, photo.width, photo.height);
+  if (!(larger.width() >= 4 && larger.height() >= 4)) return s;
+  const detail::Window window(photo, larger, options.pixels);
+  const cv::Mat labels = detail::cut_out(window, {}).labels;
+  const PixelBox b = detail::around(labels);
+  if (b.area() <= 0) return s;
+  const float sx = float(window.w) / float(window.image.width), sy = float(window.h) / float(window.image.height);
+  s.box = {float(window.x) + b.x0 * sx, float(window.y) + b.y0 * sy, float(window.x) + b.x1 * sx,
+           float(window.y) + b.y1 * sy};
   s.mask = window.to_photo(labels, photo);
+  if (options.certainty) s.certainty = detail::steadiness(photo, larger);
   return s;
 }
+
+/// The vehicle at a place of the photo. The certainty falls, too, when boxes of other sizes lead to other things that are
+/// about as whole.
 inline Segmented segment(const Image& photo, float x, float y, const SegmentOptions& options = {}) {
-  return segment(photo, detail::guess_box(photo, x, y).grown(0.02f, photo.width, photo.height), options);
+  std::vector<detail::Guess> guesses;
+  const float large = float(std::max(photo.width, photo.height));
+  for (float size = 0.06f; size < 1; size *= 1.35f) guesses.push_back({{}, size * large});
+  parallel_for(int(guesses.size()), [&](int i) {
+    detail::Guess& g = guesses[std::size_t(i)];
+    g = detail::guess_box(photo, x, y, g.score);
+  });
+  const detail::Guess best = *std::max_element(guesses.begin(), guesses.end(), [](const auto& a, const auto& b) { return a.score < b.score; });
+  Segmented s = segment(photo, best.box.grown(0.02f, photo.width, photo.height), options);
+  float sum = 0, agree = 0;
+  for (const detail::Guess& g : guesses) sum += g.score * g.score, agree += g.score * g.score * iou(g.box, best.box);
+  s.certainty *= sum > 0 ? agree / sum : 0;
+  return s;
 }
 
 }  // namespace burnish
