@@ -18,6 +18,7 @@
 namespace burnish {
 
 struct SegmentOptions {
+  float slack = 0.02f;    // how far off the box may be, as a share of its size; a detector's is 0.08 off
   int pixels = 240;       // the longer side of the box, at most, in the picture that is worked on
   bool certainty = true;  // find out how certain the mask is; takes about as long again
 };
@@ -240,7 +241,7 @@ inline float wholeness(const Window& window, const Cut& cut) {
   const PixelBox b = around(cut.labels);
   const float aspect = b.width() / b.height(), fill = float(cv::countNonZero(cut.labels)) / b.area();
   const float off = std::max({0.0f, 0.9f - aspect, 0.5f * (aspect - 3.2f), 2 * (0.6f - fill), 3 * (fill - 0.92f)});
-  const float wheels = cut.wheels.size() == 2 ? 1.4f : cut.wheels.size() == 1 ? 1.1f : 1.0f;
+  const float wheels = cut.wheels.size() == 2 ? 1.4f : cut.wheels.size() == 1 ? 1.35f : 1.0f;
   return float(sum / outline) * wheels * std::exp(-3 * off);
 }
 struct Guess {
@@ -300,7 +301,7 @@ inline float steadiness(const Image& photo, const PixelBox& box) {
 inline Segmented segment(const Image& photo, const PixelBox& box, const SegmentOptions& options = {}) {
   Segmented s;
   s.mask = Mask(photo.width, photo.height);
-  const PixelBox larger = box.grown(0.02f, photo.width, photo.height);
+  const PixelBox larger = box.grown(options.slack, photo.width, photo.height);
   if (!(larger.width() >= 4 && larger.height() >= 4)) return s;
   const detail::Window window(photo, larger, options.pixels);
   const cv::Mat labels = detail::cut_out(window, {}).labels;
@@ -325,7 +326,7 @@ inline Segmented segment(const Image& photo, float x, float y, const SegmentOpti
     g = detail::guess_box(photo, x, y, g.score);
   });
   const detail::Guess best = *std::max_element(guesses.begin(), guesses.end(), [](const auto& a, const auto& b) { return a.score < b.score; });
-  Segmented s = segment(photo, best.box.grown(0.02f, photo.width, photo.height), options);
+  Segmented s = segment(photo, best.box, options);
   float sum = 0, agree = 0;
   for (const detail::Guess& g : guesses) sum += g.score * g.score, agree += g.score * g.score * iou(g.box, best.box);
   s.certainty *= sum > 0 ? agree / sum : 0;
