@@ -6,7 +6,8 @@
 # 12 neither is a dependency of the -dev package.
 # shellcheck disable=SC2034
 build_packages=(g++ cmake ninja-build libembree-dev libopenimageio-dev openimageio-tools libassimp-dev
-  zlib1g-dev nlohmann-json3-dev libminizip-dev libcli11-dev)
+  zlib1g-dev nlohmann-json3-dev libminizip-dev libcli11-dev libeigen3-dev libopencv-core-dev libopencv-imgproc-dev
+  libopencv-dnn-dev)
 
 # needs PACKAGE...: says which are missing and installs them. Asks nothing, but for sudo's password at a terminal.
 needs() {

@@ -50,10 +50,12 @@
 #include <burnish/shade/fresnel.h>
 #include <burnish/shade/ggx.h>
 #include <burnish/shade/principled.h>
+#include <burnish/shade/sample.h>
 #include <burnish/light/environment.h>
 #include <burnish/light/illuminate.h>
 #include <burnish/light/irradiance.h>
 #include <burnish/light/lamps.h>
+#include <burnish/light/panorama_sampler.h>
 #include <burnish/light/pyramid.h>
 #include <burnish/light/rings.h>
 #include <burnish/light/samples.h>
@@ -61,7 +63,9 @@
 #include <burnish/light/sun.h>
 #include <burnish/light/transport.h>
 #include <burnish/fit/adam.h>
+#include <burnish/fit/features.h>
 #include <burnish/fit/fit.h>
+#include <burnish/fit/gram.h>
 #include <burnish/fit/look.h>
 #include <burnish/fit/loss.h>
 #include <burnish/fit/planes.h>

@@ -14,10 +14,11 @@ set(below_light "ad/" "math/" "nodes/surface.h" "shade/" "scene/image.h")
 set(below_graph "ad/" "math/" "nodes/" "shade/")
 set(below_fit "ad/" "math/" "scene/")
 set(below_twin "ad/" "math/" "scene/" "fit/")
-set(below_io "ad/" "math/" "nodes/" "scene/" "shade/" "light/" "graph/" "fit/" "twin/")
+set(below_street "ad/" "math/" "nodes/" "scene/" "shade/" "light/" "fit/" "twin/")
+set(below_io "ad/" "math/" "nodes/" "scene/" "shade/" "light/" "graph/" "fit/" "twin/" "street/")
 
 # Third parties, each behind its doors.
-set(third_scene/raycast.h "^embree[34]/")
+set(third_scene/embree.h "^embree[34]/")
 set(third_twin/segment.h "^opencv2/")
 set(third_io "^(OpenImageIO|assimp|minizip|nlohmann)/")
 set(third_io/network.h "^(opencv2|nlohmann)/")

@@ -13,7 +13,7 @@
 #include <burnish/scene/image.h>
 #include <burnish/twin/box.h>
 #include <burnish/twin/star_cut.h>
-#include <burnish/twin/wheels.h>
+#include <burnish/twin/seen_wheels.h>
 
 namespace burnish {
 
@@ -41,9 +41,9 @@ inline cv::Mat encoded(const Image& image) {
 }
 
 /// GrabCut's mixture of five Gaussians, as it keeps it: weights, means, covariances.
-class Mixture {
+class CutColors {
 public:
-  explicit Mixture(const cv::Mat& model) {
+  explicit CutColors(const cv::Mat& model) {
     const double* m = model.ptr<double>();
     for (int k = 0; k < 5; ++k) {
       if (m[k] <= 0) continue;
@@ -81,11 +81,11 @@ inline float shape_odds(float u, float v) {
 
 /// What wheels say about a place: in them is the vehicle. Below the ground that two of them touch it is not, and hardly
 /// beside their lower quarters, where the shadow lies.
-inline float wheel_odds(const std::vector<Wheel>& wheels, float x, float y) {
-  for (const Wheel& e : wheels)
+inline float wheel_odds(const std::vector<SeenWheel>& wheels, float x, float y) {
+  for (const SeenWheel& e : wheels)
     if (e.contains(x, y)) return 6;
   if (wheels.size() < 2) return 0;
-  const Wheel &a = wheels[0].x < wheels[1].x ? wheels[0] : wheels[1], &b = wheels[0].x < wheels[1].x ? wheels[1] : wheels[0];
+  const SeenWheel &a = wheels[0].x < wheels[1].x ? wheels[0] : wheels[1], &b = wheels[0].x < wheels[1].x ? wheels[1] : wheels[0];
   const float below = below_ground(a, b, x, y);
   if (below > 0) return -6;
   const float t = std::clamp((x - a.x) / std::max(b.x - a.x, 1.0f), 0.0f, 1.0f);
@@ -110,14 +110,14 @@ inline cv::Mat one_piece(const cv::Mat& labels, std::optional<cv::Point> place) 
 }
 
 /// The part of a photo that is worked on: the box with its surroundings, made smaller.
-struct Window {
+struct CutWindow {
   int x = 0, y = 0, w = 0, h = 0;  // in the photo
   float scale = 1;
   Image image;
   cv::Mat codes;
   PixelBox box;  // in the window's own pixels
 
-  Window(const Image& photo, const PixelBox& in_photo, int pixels) {
+  CutWindow(const Image& photo, const PixelBox& in_photo, int pixels) {
     const PixelBox around = in_photo.grown(0.35f, photo.width, photo.height);
     x = int(around.x0), y = int(around.y0);
     w = std::max(1, int(std::ceil(around.x1)) - x), h = std::max(1, int(std::ceil(around.y1)) - y);
@@ -138,14 +138,20 @@ struct Window {
   }
 };
 
+<<<<<<< HEAD
 /// A mask of a window, 255 in and 0 out, and what was seen on the way.
 struct Cut {
   cv::Mat labels;
-  std::vector<Wheel> wheels;
+  std::vector<SeenWheel> wheels;
 };
 /// The vehicle in the window's box. place, where there is one, is in it.
 inline Cut cut_out(const Window& window, std::optional<cv::Point> place) {
   const int w = window.image.width, h = window.image.height, keep = place ? place->y * w + place->x : -1;
+=======
+/// 255 in, 0 out, for the window's box.
+inline cv::Mat cut_out(const CutWindow& window, std::optional<cv::Point> place) {
+  const int w = window.image.width, h = window.image.height;
+>>>>>>> f8eba721aaa03928bec211caa3ee974dd64bbb62
   const PixelBox& b = window.box;
   Mask odds(w, h), grey(w, h), likeness(w, h);
   cv::Mat labels(h, w, CV_8U, cv::Scalar(cv::GC_BGD));
@@ -160,12 +166,41 @@ inline Cut cut_out(const Window& window, std::optional<cv::Point> place) {
   if (cv::countNonZero(labels) == w * h) cv::rectangle(labels, {0, 0, w, h}, cv::GC_BGD, 2);  // something must be out
   if (cv::countNonZero(labels == cv::GC_PR_FGD) < 25) return {cv::Mat::zeros(h, w, CV_8U), {}};
   cv::Mat background, foreground;
+<<<<<<< HEAD
   const auto learn = [&](int rounds, int mode) {
     cv::Mat learning = labels.clone();
     if (place) cv::circle(learning, *place, 2, cv::GC_FGD, -1);
     cv::setRNGSeed(1);
     cv::grabCut(window.codes, learning, {}, background, foreground, rounds, mode);
     const Mixture in(foreground), out(background);
+=======
+  cv::setRNGSeed(1);
+  cv::grabCut(window.codes, labels, {}, background, foreground, 4, cv::GC_INIT_WITH_MASK);
+
+  const int step = 6;
+  const Superpixels pieces = superpixels(window.image, step);
+  const auto label_of = [&](int x, int y) { return pieces.label[std::size_t(y) * w + x]; };
+  // GrabCut's own weight of an edge: 50 exp(-beta d^2), beta from the mean contrast.
+  double contrast = 0;
+  long pairs = 0;
+  const auto difference = [&](int x, int y, int i, int j) {
+    const cv::Vec3f d = cv::Vec3f(window.codes.at<cv::Vec3b>(y, x)) - cv::Vec3f(window.codes.at<cv::Vec3b>(j, i));
+    return d.dot(d);
+  };
+  const auto each_pair = [&](auto f) {
+    for (int y = 0; y < h; ++y)
+      for (int x = 0; x < w; ++x) {
+        if (x + 1 < w) f(x, y, x + 1, y);
+        if (y + 1 < h) f(x, y, x, y + 1);
+      }
+  };
+  each_pair([&](int x, int y, int i, int j) { contrast += difference(x, y, i, j), ++pairs; });
+  const float beta = float(0.5 * double(pairs) / std::max(contrast, 1e-3));
+
+  for (int round = 0; round < 2; ++round) {
+    const CutColors in(foreground), out(background);
+    std::vector<float> cost(std::size_t(pieces.count), 0);
+>>>>>>> f8eba721aaa03928bec211caa3ee974dd64bbb62
     for (int y = 0; y < h; ++y)
       for (int x = 0; x < w; ++x) {
         const cv::Vec3b& c = window.codes.at<cv::Vec3b>(y, x);
@@ -179,7 +214,7 @@ inline Cut cut_out(const Window& window, std::optional<cv::Point> place) {
   };
   learn(4, cv::GC_INIT_WITH_MASK);
   Cut cut;
-  cut.wheels = find_wheels(grey, likeness, b);
+  cut.wheels = seen_wheels(grey, likeness, b);
   for (int y = 0; y < h; ++y)
     for (int x = 0; x < w; ++x) odds.at(x, y) += wheel_odds(cut.wheels, float(x) + 0.5f, float(y) + 0.5f);
   const StarCut star(window.image, b);
@@ -300,6 +335,7 @@ inline float steadiness(const Image& photo, const PixelBox& box) {
 /// The vehicle in a box, which may be some percent off. The mask is empty where nothing in the box stands out.
 inline Segmented segment(const Image& photo, const PixelBox& box, const SegmentOptions& options = {}) {
   Segmented s;
+<<<<<<< HEAD
   s.mask = Mask(photo.width, photo.height);
   const PixelBox larger = box.grown(options.slack, photo.width, photo.height);
   if (!(larger.width() >= 4 && larger.height() >= 4)) return s;
@@ -310,6 +346,10 @@ inline Segmented segment(const Image& photo, const PixelBox& box, const SegmentO
   const float sx = float(window.w) / float(window.image.width), sy = float(window.h) / float(window.image.height);
   s.box = {float(window.x) + b.x0 * sx, float(window.y) + b.y0 * sy, float(window.x) + b.x1 * sx,
            float(window.y) + b.y1 * sy};
+=======
+  const detail::CutWindow window(photo, box.grown(0.02f, photo.width, photo.height), options.pixels);
+  const cv::Mat labels = detail::cut_out(window, {});
+>>>>>>> f8eba721aaa03928bec211caa3ee974dd64bbb62
   s.mask = window.to_photo(labels, photo);
   if (options.certainty) s.certainty = detail::steadiness(photo, larger);
   return s;

@@ -1,107 +1,122 @@
-// burnish/twin/wheels.h -- wheels in a photo: dark rings with something lighter in them, and the ground below
+// burnish/twin/wheels.h -- where a vehicle has its wheels: round pieces, low, in pairs left and right
 // SPDX-License-Identifier: Apache-2.0
+//
+// In the frame of scene/vehicle.h; nothing but positions is looked at.
 #pragma once
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 #include <vector>
-#include <burnish/scene/image.h>
-#include <burnish/twin/box.h>
+#include <burnish/scene/clean.h>
 
 namespace burnish {
 
-/// An upright ellipse around a tyre, in pixels.
+/// A cylinder across the vehicle; a wheel that is steered lies in one that is wider and a little longer than high. A
+/// spare wheel that hangs at the rear lies along it.
 struct Wheel {
-  float x = 0, y = 0, rx = 0, ry = 0;
-  float score = 0;  // in sRGB codes of contrast; below 12 it is hardly one
+  vec3<float> center;
+  float half_length = 0, radius = 0, half_width = 0;  // in its plane, level; upright; along its axis; metres
+  bool spare = false;
 
-  float bottom() const { return y + ry; }
-  bool contains(float px, float py) const {
-    const float u = (px - x) / rx, v = (py - y) / ry;
-    return u * u + v * v <= 1;
+  /// The distance from the axis in radii; huge beside the wheel.
+  float radius_at(const vec3<float>& p) const {
+    const vec3<float> d = p - center;
+    const float u = (spare ? d.z : d.x) / half_length, v = d.y / radius;
+    return std::abs(spare ? d.x : d.z) > half_width + 0.15f * radius ? 1e9f : std::sqrt(u * u + v * v);
   }
 };
 
-/// Places that may be wheels of the vehicle in a box, at most four, apart from each other, the surest first. grey: encoded,
-/// a pixel's colour is the vehicle's than the background's, as a logarithm; below a wheel is ground.
-/// Every ellipse of a raster is tried: its ring must be dark and even, lighter inside and below.
-inline std::vector<Wheel> wheel_places(const Mask& grey, const Mask& vehicle, const PixelBox& box) {
-  constexpr int around = 24;
-  std::array<float, around> cosine, sine;
-  for (int i = 0; i < around; ++i) {
-    const float angle = 6.2831853f * float(i) / around;
-    cosine[std::size_t(i)] = std::cos(angle), sine[std::size_t(i)] = std::sin(angle);
+namespace detail {
+/// Whether points are the outline of a wheel seen along its axis: round, all round, and as thick as wheels are.
+inline bool round_along_axis(const std::vector<vec3<float>>& points, bool spare, Wheel& wheel) {
+  Box box;
+  for (const vec3<float>& p : points) box.add(p);
+  const vec3<float> size = box.size() * 0.5f;
+  const float along = spare ? size.z : size.x, thick = spare ? size.x : size.z;
+  if (points.size() < 8 || !(size.y > 0) || along < 0.85f * size.y || along > 1.3f * size.y || thick > 0.9f * size.y)
+    return false;
+  wheel = {box.center(), along, size.y, thick, spare};
+  std::array<float, 12> reach{};
+  for (const vec3<float>& p : points) {
+    const vec3<float> d = p - wheel.center;
+    const float u = (spare ? d.z : d.x) / along, v = d.y / size.y, r = std::sqrt(u * u + v * v);
+    if (r > 1.13f) return false;
+    float& most = reach[std::size_t(std::clamp(int((std::atan2(v, u) / 6.2831853f + 0.5f) * 12), 0, 11))];
+    most = std::max(most, r);
   }
-  const float h = box.height();
-  std::vector<Wheel> found;
-  for (int size = 0; size < 10; ++size)
-    for (const float aspect : {0.4f, 0.55f, 0.7f, 0.85f, 1.0f}) {
-      Wheel e;
-      e.ry = h * (0.09f + 0.02f * float(size)), e.rx = aspect * e.ry;
-      if (e.rx < 3) continue;
-      const auto at = [&](const Mask& m, float radius, int i) {
-        const int x = int(e.x + radius * e.rx * cosine[std::size_t(i)]), y = int(e.y + radius * e.ry * sine[std::size_t(i)]);
-        return m.at(std::clamp(x, 0, m.width - 1), std::clamp(y, 0, m.height - 1));
-      };
-      Wheel best;
-      for (e.y = box.y0 + 0.55f * h; e.y < box.y1 - 0.7f * e.ry; e.y += 2)
-        for (e.x = box.x0 + 0.8f * e.rx; e.x < box.x1 - 0.8f * e.rx; e.x += 2) {
-          float ring = 0, square = 0, inner = 0, below = 0, odds = 0;
-          for (int i = 0; i < around; ++i) {
-            for (const float r : {0.8f, 0.9f}) {
-              const float v = at(grey, r, i);
-              ring += v, square += v * v;
-            }
-            for (const float r : {0.15f, 0.35f, 0.5f}) inner += at(grey, r, i);
-            if (sine[std::size_t(i)] > 0.45f) below += at(grey, 1.15f, i), odds += at(vehicle, 1.2f, i);
-          }
-          constexpr float lower = 9;  // angles that look down
-          ring /= 2 * around, square /= 2 * around, inner /= 3 * around, below /= lower, odds /= lower;
-          if (odds > 0.25f) continue;
-          const float spread = std::sqrt(std::max(square - ring * ring, 0.0f));
-          const float contrast = inner - ring - spread + 0.5f * std::min(below - ring, 0.24f);
-          e.score = 255 * contrast * std::sqrt(e.ry / h);
-          if (e.score > 4) found.push_back(e);
-        }
+  return std::count_if(reach.begin(), reach.end(), [](float r) { return r > 0.86f; }) >= 11;
+}
+}  // namespace detail
+
+/// The wheels, none when there are none or they hang together with other things. Candidates are the connected pieces,
+/// and what of one part lies in one quarter of the vehicle. A wheel is round, 0.18 to 0.8 of the vehicle's height,
+/// stands on the ground and has a twin on the other side; a spare wheel hangs at the rear and is as large as they are,
+/// or, where there are none, 0.3 to 0.6 of the vehicle's height.
+inline std::vector<Wheel> find_wheels(const Mesh& m) {
+  if (m.triangles.empty()) return {};
+  const Box box = bounds(m);
+  const float high = box.size().y, wide = box.size().z;
+  std::vector<Wheel> found, spares;
+  const auto consider = [&](const std::vector<vec3<float>>& points) {
+    Wheel w;
+    if (detail::round_along_axis(points, false, w)) {
+      const float low = w.center.y - w.radius - box.low.y;
+      if (low < 0.3f * w.radius && w.radius > 0.09f * high && w.radius < 0.4f * high &&
+          std::abs(w.center.z - box.center().z) > 0.15f * wide)
+        found.push_back(w);
+    } else if (detail::round_along_axis(points, true, w)) {
+      if (w.center.x - w.half_width < box.low.x + 0.12f * box.size().x && w.radius > 0.15f * high &&
+          w.radius < 0.3f * high)
+        spares.push_back(w);
     }
-  std::stable_sort(found.begin(), found.end(), [](const Wheel& a, const Wheel& b) { return a.score > b.score; });
-  std::vector<Wheel> kept;
-  for (const Wheel& e : found) {
-    const bool apart = std::all_of(kept.begin(), kept.end(), [&](const Wheel& k) {
-      return std::hypot((e.x - k.x) / (e.rx + k.rx), (e.y - k.y) / (e.ry + k.ry)) > 0.9f;
+  };
+  const std::vector<int> piece = detail::pieces(m, detail::weld(m));
+  std::vector<std::vector<vec3<float>>> points(std::size_t(*std::max_element(piece.begin(), piece.end())) + 1);
+  std::map<std::pair<int, int>, std::vector<vec3<float>>> clusters;  // by part and quarter
+  for (std::size_t t = 0; t < m.triangles.size(); ++t)
+    for (int v : m.triangles[t]) {
+      const vec3<float> p = m.positions[std::size_t(v)];
+      points[std::size_t(piece[t])].push_back(p);
+      clusters[{m.part[t], (p.x > box.center().x) * 2 + (p.z > box.center().z)}].push_back(p);
+    }
+  for (const auto& p : points) consider(p);
+  for (const auto& [key, p] : clusters) consider(p);
+
+  // One wheel of all that share an axis: the largest, as thick as all together.
+  const auto near = [](const Wheel& a, float x, float z) {
+    return std::abs(a.center.x - x) < 0.5f * a.radius && std::abs(a.center.z - z) < a.half_width + 0.7f * a.radius;
+  };
+  const auto larger = [](const Wheel& a, const Wheel& b) { return a.radius > b.radius; };
+  std::stable_sort(found.begin(), found.end(), larger), std::stable_sort(spares.begin(), spares.end(), larger);
+  std::vector<Wheel> wheels;
+  for (const Wheel& w : found) {
+    const auto same = std::find_if(wheels.begin(), wheels.end(),
+                                   [&](const Wheel& a) { return near(a, w.center.x, w.center.z); });
+    if (same == wheels.end()) {
+      wheels.push_back(w);
+      continue;
+    }
+    const float low = std::min(same->center.z - same->half_width, w.center.z - w.half_width),
+                top = std::max(same->center.z + same->half_width, w.center.z + w.half_width);
+    same->center.z = 0.5f * (low + top), same->half_width = 0.5f * (top - low);
+  }
+  std::vector<Wheel> out;
+  for (const Wheel& w : wheels)
+    if (std::any_of(wheels.begin(), wheels.end(), [&](const Wheel& a) {
+          return &a != &w && std::abs(a.radius - w.radius) < 0.15f * w.radius &&
+                 near(a, w.center.x, 2 * box.center().z - w.center.z);
+        }))
+      out.push_back(w);
+  const std::size_t standing = out.size();
+  for (const Wheel& w : spares) {
+    const bool known = std::any_of(out.begin(), out.end(), [&](const Wheel& a) {
+      return a.spare && std::abs(a.center.y - w.center.y) + std::abs(a.center.z - w.center.z) < 0.5f * a.radius;
     });
-    if (apart) kept.push_back(e);
-    if (kept.size() == 4) break;
+    if (known || (standing > 0 && std::abs(w.radius - out[0].radius) > 0.3f * out[0].radius)) continue;
+    out.push_back(w);
   }
-  return kept;
-}
-
-/// How far below the ground a place is that two wheels touch, in pixels, across their line; negative above.
-inline float below_ground(const Wheel& a, const Wheel& b, float x, float y) {
-  const float dx = b.x - a.x, dy = b.bottom() - a.bottom();
-  const float across = (dx * (y - a.bottom()) - dy * (x - a.x)) / std::max(std::hypot(dx, dy), 1e-6f);
-  return dx < 0 ? -across : across;
-}
-
-/// Two wheels that can be those of one side, with no more than a hundredth of the box that looks like the vehicle below the
-/// ground that they touch; or else the surest one, or none.
-inline std::vector<Wheel> find_wheels(const Mask& grey, const Mask& vehicle, const PixelBox& box) {
-  constexpr float sure = 15;
-  const std::vector<Wheel> all = wheel_places(grey, vehicle, box);
-  std::vector<Wheel> best;
-  float most = 0;
-  for (std::size_t i = 0; i < all.size(); ++i)
-    for (std::size_t j = i + 1; j < all.size(); ++j) {
-      const Wheel &a = all[i], &b = all[j];
-      if (b.score < sure || std::fabs(a.x - b.x) < 1.5f * (a.rx + b.rx) || a.score + b.score < most) continue;
-      int below = 0;
-      for (int y = std::max(0, int(box.y0)); y < std::min(int(box.y1), vehicle.height); ++y)
-        for (int x = std::max(0, int(box.x0)); x < std::min(int(box.x1), vehicle.width); ++x)
-          below += vehicle.at(x, y) > 0.5f && below_ground(a, b, float(x), float(y)) > 0.1f * std::max(a.ry, b.ry);
-      if (float(below) < 0.01f * box.area()) best = {a, b}, most = a.score + b.score;
-    }
-  if (best.empty() && !all.empty() && all[0].score >= sure) best = {all[0]};
-  return best;
+  return out;
 }
 
 }  // namespace burnish
