@@ -101,7 +101,8 @@ private:
       f();
     } catch (const cv::Exception& e) {
       std::string why = e.err.substr(0, 200);
-      std::replace_if(why.begin(), why.end(), [](char c) { return static_cast<unsigned char>(c) < 32; }, ' ');
+      std::replace_if(
+          why.begin(), why.end(), [](char c) { return static_cast<unsigned char>(c) < 32; }, ' ');
       throw Error(path_ + ": " + what + ": OpenCV says: " + why);
     }
   }
@@ -122,8 +123,8 @@ inline Tensor network_input(const Image& photo, int width, int height, const std
 }
 
 struct Detection {
-  PixelBox box;   // in the photo
-  int kind = 0;   // the number of the class, from 0
+  PixelBox box;     // in the photo
+  int kind = 0;     // the number of the class, from 0
   float score = 0;  // 0 .. 1
 };
 /// Cars, buses and trucks in the order of COCO's 80 names.

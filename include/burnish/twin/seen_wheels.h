@@ -40,7 +40,8 @@ inline std::vector<SeenWheel> wheel_places(const Mask& grey, const Mask& vehicle
       e.ry = h * (0.09f + 0.02f * float(size)), e.rx = aspect * e.ry;
       if (e.rx < 3) continue;
       const auto at = [&](const Mask& m, float radius, int i) {
-        const int x = int(e.x + radius * e.rx * cosine[std::size_t(i)]), y = int(e.y + radius * e.ry * sine[std::size_t(i)]);
+        const int x = int(e.x + radius * e.rx * cosine[std::size_t(i)]),
+                  y = int(e.y + radius * e.ry * sine[std::size_t(i)]);
         return m.at(std::clamp(x, 0, m.width - 1), std::clamp(y, 0, m.height - 1));
       };
       SeenWheel best;
@@ -64,7 +65,8 @@ inline std::vector<SeenWheel> wheel_places(const Mask& grey, const Mask& vehicle
           if (e.score > 4) found.push_back(e);
         }
     }
-  std::stable_sort(found.begin(), found.end(), [](const SeenWheel& a, const SeenWheel& b) { return a.score > b.score; });
+  std::stable_sort(found.begin(), found.end(),
+                   [](const SeenWheel& a, const SeenWheel& b) { return a.score > b.score; });
   std::vector<SeenWheel> kept;
   for (const SeenWheel& e : found) {
     const bool apart = std::all_of(kept.begin(), kept.end(), [&](const SeenWheel& k) {

@@ -1,4 +1,4 @@
-// burnish/twin/segment.h -- a vehicle's mask from a point inside it or a box around it
+// burnish/twin/segment.h -- a vehicle's mask from a box around it
 // SPDX-License-Identifier: Apache-2.0
 //
 // Colours inside and outside the box are learnt by GrabCut (Rother et al. 2004, OpenCV's). Its labels are made anew on
@@ -18,14 +18,17 @@
 namespace burnish {
 
 struct SegmentOptions {
-  float slack = 0.02f;    // how far off the box may be, as a share of its size; a detector's is 0.08 off
   int pixels = 240;       // the longer side of the box, at most, in the picture that is worked on
+  float slack = 0.02f;    // by what share of its size the box may be too small
+  int rounds = 1;         // with 2 a new box is laid round the first mask, for boxes that are some 8 % off
   bool certainty = true;  // find out how certain the mask is; takes about as long again
 };
+/// For the box of a detector.
+inline SegmentOptions for_detections() { return {.slack = 0.08f, .rounds = 2}; }
 struct Segmented {
-  Mask mask;             // of the photo's size
-  PixelBox box;          // around the mask
-  float certainty = 0;   // mean IoU with the masks of boxes or points a little off: above 0.9 is a steady one
+  Mask mask;            // of the photo's size
+  PixelBox box;         // around the mask
+  float certainty = 0;  // mean IoU with the masks of boxes or points a little off: above 0.9 is a steady one
 };
 
 namespace detail {
@@ -49,7 +52,8 @@ public:
       if (m[k] <= 0) continue;
       cv::Matx33d covariance(m + 20 + 9 * k);
       for (int i = 0; i < 3; ++i) covariance(i, i) += 4;  // two codes: less is noise
-      parts_.push_back({m[k] / std::sqrt(cv::determinant(covariance)), {m[5 + 3 * k], m[6 + 3 * k], m[7 + 3 * k]},
+      parts_.push_back({m[k] / std::sqrt(cv::determinant(covariance)),
+                        {m[5 + 3 * k], m[6 + 3 * k], m[7 + 3 * k]},
                         covariance.inv()});
     }
   }
@@ -85,7 +89,8 @@ inline float wheel_odds(const std::vector<SeenWheel>& wheels, float x, float y) 
   for (const SeenWheel& e : wheels)
     if (e.contains(x, y)) return 6;
   if (wheels.size() < 2) return 0;
-  const SeenWheel &a = wheels[0].x < wheels[1].x ? wheels[0] : wheels[1], &b = wheels[0].x < wheels[1].x ? wheels[1] : wheels[0];
+  const SeenWheel &a = wheels[0].x < wheels[1].x ? wheels[0] : wheels[1],
+                  &b = wheels[0].x < wheels[1].x ? wheels[1] : wheels[0];
   const float below = below_ground(a, b, x, y);
   if (below > 0) return -6;
   const float t = std::clamp((x - a.x) / std::max(b.x - a.x, 1.0f), 0.0f, 1.0f);
@@ -125,9 +130,15 @@ struct CutWindow {
     image = cropped(photo, x, y, w, h);
     if (scale < 1) image = resized(image, std::max(1, int(float(w) * scale)), std::max(1, int(float(h) * scale)));
     codes = encoded(image);
+    box = from_photo(in_photo);
+  }
+  PixelBox to_photo(const PixelBox& b) const {
+    const float sx = float(w) / float(image.width), sy = float(h) / float(image.height);
+    return {float(x) + b.x0 * sx, float(y) + b.y0 * sy, float(x) + b.x1 * sx, float(y) + b.y1 * sy};
+  }
+  PixelBox from_photo(const PixelBox& b) const {
     const float sx = float(image.width) / float(w), sy = float(image.height) / float(h);
-    box = {(in_photo.x0 - float(x)) * sx, (in_photo.y0 - float(y)) * sy, (in_photo.x1 - float(x)) * sx,
-           (in_photo.y1 - float(y)) * sy};
+    return {(b.x0 - float(x)) * sx, (b.y0 - float(y)) * sy, (b.x1 - float(x)) * sx, (b.y1 - float(y)) * sy};
   }
   Mask to_photo(const cv::Mat& labels, const Image& photo) const {
     Mask small(image.width, image.height);
@@ -138,20 +149,14 @@ struct CutWindow {
   }
 };
 
-<<<<<<< HEAD
 /// A mask of a window, 255 in and 0 out, and what was seen on the way.
 struct Cut {
   cv::Mat labels;
   std::vector<SeenWheel> wheels;
 };
 /// The vehicle in the window's box. place, where there is one, is in it.
-inline Cut cut_out(const Window& window, std::optional<cv::Point> place) {
+inline Cut cut_out(const CutWindow& window, std::optional<cv::Point> place) {
   const int w = window.image.width, h = window.image.height, keep = place ? place->y * w + place->x : -1;
-=======
-/// 255 in, 0 out, for the window's box.
-inline cv::Mat cut_out(const CutWindow& window, std::optional<cv::Point> place) {
-  const int w = window.image.width, h = window.image.height;
->>>>>>> f8eba721aaa03928bec211caa3ee974dd64bbb62
   const PixelBox& b = window.box;
   Mask odds(w, h), grey(w, h), likeness(w, h);
   cv::Mat labels(h, w, CV_8U, cv::Scalar(cv::GC_BGD));
@@ -166,41 +171,12 @@ inline cv::Mat cut_out(const CutWindow& window, std::optional<cv::Point> place) 
   if (cv::countNonZero(labels) == w * h) cv::rectangle(labels, {0, 0, w, h}, cv::GC_BGD, 2);  // something must be out
   if (cv::countNonZero(labels == cv::GC_PR_FGD) < 25) return {cv::Mat::zeros(h, w, CV_8U), {}};
   cv::Mat background, foreground;
-<<<<<<< HEAD
   const auto learn = [&](int rounds, int mode) {
     cv::Mat learning = labels.clone();
     if (place) cv::circle(learning, *place, 2, cv::GC_FGD, -1);
     cv::setRNGSeed(1);
     cv::grabCut(window.codes, learning, {}, background, foreground, rounds, mode);
-    const Mixture in(foreground), out(background);
-=======
-  cv::setRNGSeed(1);
-  cv::grabCut(window.codes, labels, {}, background, foreground, 4, cv::GC_INIT_WITH_MASK);
-
-  const int step = 6;
-  const Superpixels pieces = superpixels(window.image, step);
-  const auto label_of = [&](int x, int y) { return pieces.label[std::size_t(y) * w + x]; };
-  // GrabCut's own weight of an edge: 50 exp(-beta d^2), beta from the mean contrast.
-  double contrast = 0;
-  long pairs = 0;
-  const auto difference = [&](int x, int y, int i, int j) {
-    const cv::Vec3f d = cv::Vec3f(window.codes.at<cv::Vec3b>(y, x)) - cv::Vec3f(window.codes.at<cv::Vec3b>(j, i));
-    return d.dot(d);
-  };
-  const auto each_pair = [&](auto f) {
-    for (int y = 0; y < h; ++y)
-      for (int x = 0; x < w; ++x) {
-        if (x + 1 < w) f(x, y, x + 1, y);
-        if (y + 1 < h) f(x, y, x, y + 1);
-      }
-  };
-  each_pair([&](int x, int y, int i, int j) { contrast += difference(x, y, i, j), ++pairs; });
-  const float beta = float(0.5 * double(pairs) / std::max(contrast, 1e-3));
-
-  for (int round = 0; round < 2; ++round) {
     const CutColors in(foreground), out(background);
-    std::vector<float> cost(std::size_t(pieces.count), 0);
->>>>>>> f8eba721aaa03928bec211caa3ee974dd64bbb62
     for (int y = 0; y < h; ++y)
       for (int x = 0; x < w; ++x) {
         const cv::Vec3b& c = window.codes.at<cv::Vec3b>(y, x);
@@ -252,58 +228,6 @@ inline PixelBox around(const cv::Mat& labels) {
   const cv::Rect r = cv::boundingRect(labels);
   return {float(r.x), float(r.y), float(r.x + r.width), float(r.y + r.height)};
 }
-/// How much a mask looks like a whole thing: the share of its outline where colours change (a difference of 40 codes or
-/// more counts whole), times what wheels and a vehicle's proportions add.
-inline float wholeness(const Window& window, const Cut& cut) {
-  const int w = cut.labels.cols, h = cut.labels.rows;
-  const cv::Rect all(0, 0, w, h);
-  const auto in = [&](const cv::Point& p) { return all.contains(p) && cut.labels.at<std::uint8_t>(p); };
-  cv::Mat smooth;
-  cv::blur(window.codes, smooth, {3, 3});
-  double sum = 0;
-  int outline = 0;
-  for (int y = 0; y < h; ++y)
-    for (int x = 0; x < w; ++x)
-      for (const cv::Point& d : {cv::Point(1, 0), cv::Point(-1, 0), cv::Point(0, 1), cv::Point(0, -1)}) {
-        const cv::Point p(x, y);
-        if (!in(p) || in(p + d)) continue;
-        ++outline;
-        if (!all.contains(p + 3 * d) || !all.contains(p - d)) continue;  // at the window's rim: no evidence
-        const cv::Vec3f step = cv::Vec3f(smooth.at<cv::Vec3b>(p - d)) - cv::Vec3f(smooth.at<cv::Vec3b>(p + 3 * d));
-        sum += std::min(1.0, cv::norm(step) / 40);
-      }
-  if (outline == 0) return 0;
-  const PixelBox b = around(cut.labels);
-  const float aspect = b.width() / b.height(), fill = float(cv::countNonZero(cut.labels)) / b.area();
-  const float off = std::max({0.0f, 0.9f - aspect, 0.5f * (aspect - 3.2f), 2 * (0.6f - fill), 3 * (fill - 0.92f)});
-  const float wheels = cut.wheels.size() == 2 ? 1.4f : cut.wheels.size() == 1 ? 1.35f : 1.0f;
-  return float(sum / outline) * wheels * std::exp(-3 * off);
-}
-struct Guess {
-  PixelBox box;
-  float score = 0;
-};
-/// A box around the thing at a place of the photo: a mask is grown in a box of the given width, a box laid around it, and
-/// so on; the one that is most like a whole thing is kept, of two alike the larger.
-inline Guess guess_box(const Image& photo, float x, float y, float width) {
-  Guess best;
-  PixelBox box{x - 0.5f * width, y - 0.26f * width, x + 0.5f * width, y + 0.26f * width};
-  for (int round = 0; round < 4; ++round) {
-    const Window window(photo, box.grown(0, photo.width, photo.height), 96);
-    const float sx = float(window.image.width) / float(window.w), sy = float(window.image.height) / float(window.h);
-    const cv::Point place(int((x - float(window.x)) * sx), int((y - float(window.y)) * sy));
-    const Cut cut = cut_out(window, place);
-    const PixelBox b = around(cut.labels);
-    if (b.area() <= 0) break;
-    const PixelBox next{float(window.x) + b.x0 / sx, float(window.y) + b.y0 / sy, float(window.x) + b.x1 / sx,
-                        float(window.y) + b.y1 / sy};
-    const float score = wholeness(window, cut) * std::pow(next.area(), 0.2f);
-    if (score > best.score) best = {next, score};
-    if (iou(next, box) > 0.93f) break;
-    box = next.grown(0.12f, photo.width, photo.height);
-  }
-  return best;
-}
 /// The mean IoU of the masks in boxes some percent off with that in the box itself, all in small.
 inline float steadiness(const Image& photo, const PixelBox& box) {
   const float dx = 0.04f * box.width(), dy = 0.04f * box.height();
@@ -313,14 +237,11 @@ inline float steadiness(const Image& photo, const PixelBox& box) {
                             {box.x0 + dx, box.y0 - dy, box.x1 + dx, box.y1 - dy},
                             {box.x0 - dx, box.y0 + dy, box.x1 - dx, box.y1 + dy}};
   // All are cut out of one window, so that their pixels are the same.
-  const Window window(photo, box, 120);
-  const float sx = float(window.image.width) / float(window.w), sy = float(window.image.height) / float(window.h);
+  const CutWindow window(photo, box, 120);
   std::array<cv::Mat, 5> masks;
   parallel_for(5, [&](int i) {
-    Window shifted = window;
-    const PixelBox& b = boxes[i];
-    shifted.box = {(b.x0 - float(window.x)) * sx, (b.y0 - float(window.y)) * sy, (b.x1 - float(window.x)) * sx,
-                   (b.y1 - float(window.y)) * sy};
+    CutWindow shifted = window;
+    shifted.box = window.from_photo(boxes[i]);
     masks[std::size_t(i)] = cut_out(shifted, {}).labels;
   });
   float sum = 0;
@@ -332,44 +253,23 @@ inline float steadiness(const Image& photo, const PixelBox& box) {
 }
 }  // namespace detail
 
-/// The vehicle in a box, which may be some percent off. The mask is empty where nothing in the box stands out.
+/// The vehicle in a box. The mask is empty where nothing in the box stands out.
 inline Segmented segment(const Image& photo, const PixelBox& box, const SegmentOptions& options = {}) {
   Segmented s;
-<<<<<<< HEAD
   s.mask = Mask(photo.width, photo.height);
-  const PixelBox larger = box.grown(options.slack, photo.width, photo.height);
-  if (!(larger.width() >= 4 && larger.height() >= 4)) return s;
-  const detail::Window window(photo, larger, options.pixels);
-  const cv::Mat labels = detail::cut_out(window, {}).labels;
-  const PixelBox b = detail::around(labels);
-  if (b.area() <= 0) return s;
-  const float sx = float(window.w) / float(window.image.width), sy = float(window.h) / float(window.image.height);
-  s.box = {float(window.x) + b.x0 * sx, float(window.y) + b.y0 * sy, float(window.x) + b.x1 * sx,
-           float(window.y) + b.y1 * sy};
-=======
-  const detail::CutWindow window(photo, box.grown(0.02f, photo.width, photo.height), options.pixels);
-  const cv::Mat labels = detail::cut_out(window, {});
->>>>>>> f8eba721aaa03928bec211caa3ee974dd64bbb62
-  s.mask = window.to_photo(labels, photo);
-  if (options.certainty) s.certainty = detail::steadiness(photo, larger);
-  return s;
-}
-
-/// The vehicle at a place of the photo. The certainty falls, too, when boxes of other sizes lead to other things that are
-/// about as whole.
-inline Segmented segment(const Image& photo, float x, float y, const SegmentOptions& options = {}) {
-  std::vector<detail::Guess> guesses;
-  const float large = float(std::max(photo.width, photo.height));
-  for (float size = 0.06f; size < 1; size *= 1.35f) guesses.push_back({{}, size * large});
-  parallel_for(int(guesses.size()), [&](int i) {
-    detail::Guess& g = guesses[std::size_t(i)];
-    g = detail::guess_box(photo, x, y, g.score);
-  });
-  const detail::Guess best = *std::max_element(guesses.begin(), guesses.end(), [](const auto& a, const auto& b) { return a.score < b.score; });
-  Segmented s = segment(photo, best.box, options);
-  float sum = 0, agree = 0;
-  for (const detail::Guess& g : guesses) sum += g.score * g.score, agree += g.score * g.score * iou(g.box, best.box);
-  s.certainty *= sum > 0 ? agree / sum : 0;
+  PixelBox given = box;
+  for (int round = 0; round < options.rounds; ++round) {
+    const float slack = round == 0 ? options.slack : std::min(options.slack, 0.02f);
+    const PixelBox larger = given.grown(slack, photo.width, photo.height);
+    if (!(larger.width() >= 4 && larger.height() >= 4)) return s;
+    const detail::CutWindow window(photo, larger, options.pixels);
+    const cv::Mat labels = detail::cut_out(window, {}).labels;
+    if (cv::countNonZero(labels) == 0) return s;
+    s.box = given = window.to_photo(detail::around(labels));
+    if (round + 1 < options.rounds) continue;
+    s.mask = window.to_photo(labels, photo);
+    if (options.certainty) s.certainty = detail::steadiness(photo, larger);
+  }
   return s;
 }
 

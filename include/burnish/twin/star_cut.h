@@ -21,7 +21,11 @@ public:
   static constexpr int step = 6;  // superpixels are about this wide
 
   StarCut(const Image& picture, const PixelBox& box_in_it)
-      : w(picture.width), h(picture.height), image(picture), box(box_in_it), pieces(superpixels(picture, step)),
+      : w(picture.width),
+        h(picture.height),
+        image(picture),
+        box(box_in_it),
+        pieces(superpixels(picture, step)),
         heart(0.5f * (box.x0 + box.x1), 0.5f * (box.y0 + box.y1)) {
     for (int c = 0; c < 3; ++c)
       for (int i = 0; i < w * h; ++i) image.plane(c)[i] = srgb_from_linear(image.plane(c)[i]);
@@ -108,7 +112,8 @@ private:
   vec2<float> place(int p) const { return {float(p % w) + 0.5f, float(p / w) + 0.5f}; }
   float difference(int p, int q) const {
     float sum = 0;
-    for (int c = 0; c < 3; ++c) sum += (image.plane(c)[p] - image.plane(c)[q]) * (image.plane(c)[p] - image.plane(c)[q]);
+    for (int c = 0; c < 3; ++c)
+      sum += (image.plane(c)[p] - image.plane(c)[q]) * (image.plane(c)[p] - image.plane(c)[q]);
     return sum;
   }
   float weight(int p, int q) const { return 25 * std::exp(-beta * difference(p, q)); }
