@@ -124,8 +124,9 @@ int run(Options o) {
   leave.fitted(fitted, o.fit);
   lap("fit");
 
-  leave.model(scene.mesh(), parts, fitted.materials.best());
-  if (!interrupted && o.frames > 0) leave.turntable(scene, parts, fitted, o.frames);
+  const dressed::Dressed look(scene, parts.kinds(), fitted.materials.best());
+  leave.model(look, scene.mesh());
+  if (!interrupted && o.frames > 0) leave.turntable(look, scene, fitted.lit.world, o.frames);
   lap("draw");
   leave.page(times, whole.seconds());
   std::printf("\nDone after %.1f s. Open %s/index.html; %s/twin.glb is the model, in any glTF viewer.\n", whole.seconds(),

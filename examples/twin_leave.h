@@ -1,10 +1,9 @@
 // examples/twin_leave.h -- what a twin leaves behind: the model with its materials, pictures, a turntable, a page
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-#include <burnish/io/bake.h>
-#include <burnish/io/gltf.h>
 #include <burnish/io/page.h>
 #include <burnish/twin/assign_parts.h>
+#include "dressed.h"
 #include "fit_report.h"
 #include "turntable.h"
 #include "twin_find.h"
@@ -21,6 +20,8 @@ inline constexpr std::array<vec3<float>, part_kinds> kind_colors{{{0.65f, 0.12f,
                                                                   {0.25f, 0.3f, 0.2f}}};
 
 class Leavings {
+  using World = shot::World;
+
 public:
   Leavings(std::string folder, const std::string& photo)
       : folder_(std::move(folder)), page_("A twin of a vehicle in " + std::filesystem::path(photo).filename().string()) {}
@@ -123,37 +124,12 @@ public:
   }
 
   /// twin.glb: the body with the fitted paint, windows with the glass, tyres with the rubber; the rest as the file has it.
-  void model(const Mesh& mesh, const AssignedParts& parts, const looks::Vehicle& v) {
-    FileMaterials file = file_materials(mesh);
-    const int paint = int(file.materials.size());
-    file.materials.push_back(bake("paint", v.paint));
-    file.materials.push_back(bake("glass", v.window.glass));
-    file.materials.push_back(bake("rubber", v.rubber));
-    for (std::size_t p = 0; p < mesh.parts.size(); ++p) {
-      const PartKind k = parts.parts[p].kind;
-      if (k == PartKind::body) file.of_part[p] = paint;
-      if (k == PartKind::window) file.of_part[p] = paint + 1;
-      if (k == PartKind::tyre) file.of_part[p] = paint + 2;
-    }
-    write_gltf(folder_ + "/twin.glb", mesh, file.materials, file.of_part, "twin");
-  }
+  void model(const dressed::Dressed& look, const Mesh& mesh) { dressed::write(folder_ + "/twin.glb", mesh, look, "twin"); }
 
-  void turntable(const Raycaster& scene, const AssignedParts& parts, const fitting::FittedParts& f, int frames) {
+  void turntable(const dressed::Dressed& look, const Raycaster& scene, const World& world, int frames) {
     Progress bar("turntable");
-    const looks::Vehicle v = f.materials.best();
-    const Mesh& mesh = scene.mesh();
-    const auto look = [&](int p, const Surfel<float>& at) {
-      const Part& part = mesh.parts[std::size_t(p)];
-      switch (parts.parts[std::size_t(p)].kind) {
-        case PartKind::body: return v.paint(at);
-        case PartKind::window: return v.window.glass(at);
-        case PartKind::tyre: return v.rubber(at);
-        default: return parts::file_look(mesh, part, at.uv)(at);
-      }
-    };
     std::vector<std::string> jpegs;
     Image first;
-    const World& world = f.lit.world;
     turntable::turn(scene, world.sky, world.strength, world.occluded, look, looks::developed, {.frames = frames},
                     [&](int i, const Image& picture) {
                       if (i == frames / 12) first = picture;
@@ -183,7 +159,6 @@ public:
 private:
   std::string folder_;
   Page page_;
-  using World = shot::World;
 };
 
 }  // namespace twin
