@@ -126,10 +126,11 @@ public:
   /// twin.glb: the body with the fitted paint, windows with the glass, tyres with the rubber; the rest as the file has it.
   void model(const dressed::Dressed& look, const Mesh& mesh) { dressed::write(folder_ + "/twin.glb", mesh, look, "twin"); }
 
-  void turntable(const dressed::Dressed& look, const Raycaster& scene, const World& world, int frames) {
+  void turntable(const dressed::Dressed& look, const Raycaster& scene, World world, int frames) {
     Progress bar("turntable");
     std::vector<std::string> jpegs;
     Image first;
+    expose(world);
     turntable::turn(scene, world.sky, world.strength, world.occluded, look, looks::developed, {.frames = frames},
                     [&](int i, const Image& picture) {
                       if (i == frames / 12) first = picture;
@@ -159,6 +160,17 @@ public:
 private:
   std::string folder_;
   Page page_;
+
+  /// A photographer's exposure: what is white and lies level is nearly so. The photo may have been overexposed.
+  static void expose(World& world) {
+    const vec3<float> up(0, 1, 0);
+    const auto e = IrradianceMap(world.sky)(up);
+    vec3<float> light = vec3<float>(e[0], e[1], e[2]) * world.strength.sky;
+    for (const Sun<float>& s : world.sky.suns)
+      light += s.power * (std::max(0.0f, dot(up, s.direction))) * world.strength.sun;
+    const float k = 0.8f * pi / std::max(luminance(light), 1e-6f);
+    world.strength.sky *= k, world.strength.sun *= k;  // what hides the sky is scaled with it
+  }
 };
 
 }  // namespace twin
