@@ -61,7 +61,9 @@
 #include <burnish/light/sun.h>
 #include <burnish/light/transport.h>
 #include <burnish/fit/adam.h>
+#include <burnish/fit/features.h>
 #include <burnish/fit/fit.h>
+#include <burnish/fit/gram.h>
 #include <burnish/fit/look.h>
 #include <burnish/fit/loss.h>
 #include <burnish/fit/planes.h>
