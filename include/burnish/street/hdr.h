@@ -4,7 +4,9 @@
 // Lat-long panoramas as in light/environment.h, linear RGB, the photo's white at 1, level, of any size. No network is
 // asked, but what one predicts can be handed to compose_hdr.
 #pragma once
+#include <cstdio>
 #include <burnish/scene/error.h>
+#include <burnish/street/refine_sun.h>
 #include <burnish/street/sky_fit.h>
 
 namespace burnish {
@@ -76,27 +78,60 @@ inline Glow fit_glow(const std::vector<SkySample>& samples, const vec3<double>& 
 }
 }  // namespace detail
 
+struct SunStrength {
+  double irradiance = 0, sigma = 1;  // luminance, of a surface that faces the sun; of its logarithm
+};
+/// Three guesses, each as sure as it was found to be on real panoramas, put together as logarithms.
+inline SunStrength sun_strength(const Image& small, const HdrPanorama& found, const detail::Glow& glow, double sky_up) {
+  const vec3<double> sun = vec3<double>(found.sun_direction);
+  const double up = std::max(sun.y, 0.03), degrees = found.spot.radius * 57.29578;
+  double sum = 0, weights = 0;
+  const auto guess = [&](double value, double sigma) {
+    sum += std::log(std::max(value, 1e-6)) / sigma / sigma, weights += 1 / sigma / sigma;
+  };
+  // The glare's size, as far as the air lets the sun through.
+  const double through = luminance(sun_irradiance(3.5, sun)) / 126;
+  guess(0.7 * std::pow(degrees, 0.6) * through, 0.9);
+  // The fitted sky's own sun.
+  const vec3<double> model = sun_irradiance(std::min(found.sky.sky.turbidity, 5.0), sun) * found.sky.scale * (1 / 0.683);
+  guess(luminance(model), 1.3);
+  // The ground's radiance, whose albedo is believed to be 0.12.
+  std::vector<double> ground;
+  const int h = small.height;
+  for (int y = h * 7 / 12; y < h; ++y) {
+    for (int x = 0; x < small.width; x += detail::row_step(h, y)) ground.push_back(double(luminance(small.at(x, y))));
+  }
+  const double lit = 3.14159 * detail::median_of(ground) / 0.12 - sky_up;
+  if (up > 0.2) guess(std::max(lit, 0.1 * sky_up) / up, 1.3);
+  // A sun behind a cloud makes a white spot without a slope around.
+  const double t = std::clamp((glow.p - 0.2) / 0.3, 0.0, 1.0), seen = t * t * (3 - 2 * t);
+  if (std::getenv("HDRDBG")) std::printf("# glare %.3f model %.3f ground %.3f seen %.2f p %.2f skyup %.2f el %.1f r %.1f T %.1f\n", 0.7 * std::pow(degrees, 0.6) * through, luminance(model), lit/up, seen, glow.p, sky_up, std::asin(sun.y)*57.3, degrees, found.sky.sky.turbidity);
+  return {std::exp(sum / weights) * seen, std::sqrt(1 / weights)};
+}
+
 inline HdrPanorama estimate_hdr(const Image& ldr) {
   detail::check_panorama(ldr, "panorama");
   HdrPanorama out;
   out.panorama = ldr;
-  const int h = HdrPanorama::mask_height, w = 2 * h;
+  const int h = HdrPanorama::mask_height;
   const Image small = detail::resampled_panorama(ldr, h);
   out.mask = find_sky(small);
   if (out.mask.evidence <= 0) return out;
   out.kind = SkyKind::cloudy;
   out.spot = find_sun(small, out.mask);
   const auto samples = detail::sky_samples(small, out.mask, 1000);
-  const bool seen = out.spot.found;
-  out.sky = fit_sky(samples, seen ? out.spot.direction : vec3<double>(0, 0.7071, -0.7071), seen ? 0.02 : 2.0);
-  const vec3<double> sun = seen ? out.spot.direction : out.sky.sun;
+  const bool spotted = out.spot.plausible > 0.1;
+  if (spotted) {
+    const RefinedSun refined = refine_sun(small, out.mask, out.spot);
+    out.spot.direction = refined.direction, out.spot.sigma = refined.sigma;
+  }
+  out.sky = fit_sky(samples, spotted ? out.spot.direction : vec3<double>(0, 0.7071, -0.7071), spotted ? 0.02 : 2.0);
+  const vec3<double> sun = spotted ? out.spot.direction : out.sky.sun;
   out.sun_direction = vec3<float>(sun);
-  out.sun_sigma = seen ? out.spot.sigma : std::max(out.sky.sun_sigma, 0.3);
-  if (seen) out.kind = SkyKind::sunny;
+  out.sun_sigma = spotted ? out.spot.sigma : std::max(out.sky.sun_sigma, 0.3);
 
-  // The clipped sky.
-  const detail::Glow glow = seen ? detail::fit_glow(samples, sun, out.spot.radius) : detail::Glow{};
-  const auto lobes = out.sky.lobes();
+  // The clipped sky, by the fall of the glow about the sun; away from it a little more than white.
+  const detail::Glow glow = spotted ? detail::fit_glow(samples, sun, out.spot.radius) : detail::Glow{};
   const Mask sky = resized(out.mask.sky, ldr.width, ldr.height);
   for (int y = 0; y < ldr.height; ++y) {
     for (int x = 0; x < ldr.width; ++x) {
@@ -104,26 +139,20 @@ inline HdrPanorama estimate_hdr(const Image& ldr) {
       if (sky.at(x, y) < 0.3f || std::max({c.x, c.y, c.z}) < clipped_from) continue;
       const vec3<double> d = latlong_direction((x + 0.5) / ldr.width, (y + 0.5) / ldr.height);
       const double angle = std::acos(std::clamp(dot(d, sun), -1.0, 1.0));
-      const double l = seen && angle < 1.5 * out.spot.radius ? std::clamp(glow(angle), 1.0, 50.0) : 1.3;
+      const double l = std::max(spotted ? std::min(glow(angle), 50.0) : 0.0, 1.2);
       const auto back = [&](float v) { return v >= clipped_from ? std::max(v, float(l)) : v; };
       out.panorama.set(x, y, {back(c.x), back(c.y), back(c.z)});
     }
   }
-  if (!seen) return out;
-  // The sun: from the ground's light and the sky's, and from the model.
-  const Image filled = detail::resampled_panorama(out.panorama, h);
-  const double sky_up = detail::irradiance_up(filled);
-  std::vector<double> ground;
-  for (int y = h * 7 / 12; y < h; ++y) {
-    for (int x = 0; x < w; x += detail::row_step(h, y)) ground.push_back(double(luminance(small.at(x, y))));
-  }
-  const double by_ground = std::max(3.14159 * detail::median_of(ground) / 0.12 - sky_up, 0.05 * sky_up);
-  const vec3<double> model = sun_irradiance(out.sky.sky.turbidity, sun) * (1 / 0.683) * out.sky.scale;
-  const double up = std::max(sun.y, 0.05);
-  const double by_model = luminance(model) * up;
-  const double e = std::exp(0.5 * std::log(by_ground) + 0.5 * std::log(std::max(by_model, 1e-3))) / up;
-  out.sun_irradiance = vec3<float>(model * (e / std::max(luminance(model), 1e-6)));
-  out.sun_factor = 2;
+  if (!spotted) return out;
+  const double sky_up = detail::irradiance_up(detail::resampled_panorama(out.panorama, h)), up = std::max(sun.y, 0.03);
+  const SunStrength strength = sun_strength(small, out, glow, sky_up);
+  const double e = strength.irradiance;
+  if (e * up < 0.01 * sky_up && e < 0.03 * sky_up) return out;
+  out.kind = SkyKind::sunny;
+  const vec3<double> model = sun_irradiance(std::min(out.sky.sky.turbidity, 4.0), sun) * out.sky.scale;
+  out.sun_irradiance = vec3<float>(max(model, vec3<double>(0)) * (e / std::max(luminance(model), 1e-9)));
+  out.sun_factor = std::exp(strength.sigma);
   // The disc, 0.53 degrees wide or at least three texels.
   const double radius = std::max(0.0047, 1.5 * 3.141592653589793 / ldr.height);
   double area = 0;
