@@ -3,6 +3,7 @@
 //
 // CAD files say little and never in the same words; what they say is in names, opacities, colours and textures.
 #pragma once
+#include <functional>
 #include <initializer_list>
 #include <map>
 #include <string>
@@ -173,6 +174,9 @@ inline std::vector<Role> roles_of(const GBuffer& g, const Mesh& mesh, const std:
   }
   return out;
 }
+
+/// What each surfel of a G-buffer of one mesh is.
+using RolesOf = std::function<std::vector<Role>(const GBuffer&)>;
 
 /// How the file (or, where it says nothing, the name) wants a part to look at a uv.
 inline FileLook<float> file_look(const Mesh& mesh, const Part& p, const vec2<float>& uv) {
