@@ -8,6 +8,7 @@
 // irradiances of a horizontal and of four vertical planes are wrong, beside those of the clipped panorama itself.
 #include <cstdio>
 #include <burnish/io/photo.h>
+#include <burnish/street/expose.h>
 #include <burnish/street/hdr.h>
 
 using namespace burnish;
@@ -24,30 +25,6 @@ std::array<double, 5> irradiances(const Image& p) {
     }
   }
   return e;
-}
-/// Negative and infinite texels, which some files have, are black.
-Image clean(Image p) {
-  for (float& x : p.values) x = x > 0 && x < 1e30f ? x : 0;
-  return p;
-}
-double exposure_for(const Image& p, double mean) {
-  double low = 1e-8, high = 1e8;
-  for (int step = 0; step < 60; ++step) {
-    const double e = std::sqrt(low * high);
-    double sum = 0;
-    for (int y = 0; y < p.height; ++y) {
-      for (int x = 0; x < p.width; ++x)
-        sum += std::min(1.0, e * double(luminance(p.at(x, y)))) * detail::texel_area(p.width, p.height, y) / 12.566370614;
-    }
-    (sum < mean ? low : high) = e;
-  }
-  return std::sqrt(low * high);
-}
-Image photographed(const Image& p, double exposure) {
-  Image out = p;
-  for (float& x : out.values)
-    x = detail::from_srgb(std::round(detail::to_srgb(std::clamp(x * float(exposure), 0.0f, 1.0f)) * 255) / 255);
-  return out;
 }
 /// The sun of the original: the middle of what lies within 2 degrees of the brightest texel above the horizon, and its
 /// irradiance as a part of the whole sphere's.
@@ -98,27 +75,27 @@ int main(int argc, char** argv) {
   std::printf("%-30s %5s  %-6s %14s %6s %7s %10s   %-34s  %-34s\n", "panorama", "mean", "found", "sun: elevation", "part",
               "off", "(sigma)", "error of E: up, +x, -x, +z, -z, %", "of the clipped panorama, %");
   for (const std::string& file : files) {
-    Image original = clean(read_photo(file));
+    Image original = without_flaws(read_photo(file));
     if (original.height > 512) original = detail::resampled_panorama(original, 512);
     const TrueSun sun = true_sun(original);
-    for (const double mean : {0.09, 0.18, 0.255}) {
-      const double exposure = exposure_for(original, mean);
+    for (const float mean : {0.09f, 0.18f, 0.255f}) {
+      const float exposure = metered_exposure(original, mean);
       const Image ldr = photographed(original, exposure);
       const HdrPanorama found = estimate_hdr(ldr);
       const auto truth = irradiances(original), with = irradiances(found.panorama), without = irradiances(ldr);
       const double angle = std::acos(std::clamp(dot(vec3<double>(found.sun_direction), sun.direction), -1.0, 1.0)) * 57.29578;
-      std::printf("%-30s %5.3f  %-6s %14.1f %6.3f ", std::filesystem::path(file).filename().c_str(), mean,
+      std::printf("%-30s %5.3f  %-6s %14.1f %6.3f ", std::filesystem::path(file).filename().c_str(), double(mean),
                   word(found.kind), std::asin(sun.direction.y) * 57.29578, sun.part);
       if (found.kind == SkyKind::none) std::printf("%7s %10s  ", "-", "");
       else std::printf("%7.1f %10.1f  ", angle, found.sun_sigma * 57.29578);
       for (std::size_t k = 0; k < 5; ++k) {
-        const double t = truth[k] * exposure, a = with[k] / t - 1, b = without[k] / t - 1;
+        const double t = truth[k] * double(exposure), a = with[k] / t - 1, b = without[k] / t - 1;
         std::printf(" %6.0f", 100 * a);
         ours.push_back(std::fabs(a)), plain.push_back(std::fabs(b));
         if (found.kind != SkyKind::none) ours_sky.push_back(std::fabs(a)), plain_sky.push_back(std::fabs(b));
       }
       std::printf("  ");
-      for (std::size_t k = 0; k < 5; ++k) std::printf(" %6.0f", 100 * (without[k] / (truth[k] * exposure) - 1));
+      for (std::size_t k = 0; k < 5; ++k) std::printf(" %6.0f", 100 * (without[k] / (truth[k] * double(exposure)) - 1));
       std::printf("\n");
       if (found.kind != SkyKind::none && sun.part > 0.01) off.push_back(angle);
     }
