@@ -77,7 +77,7 @@ int run(Options o) {
   for (const std::string& line : in.report.lines) std::printf("  %s\n", line.c_str());
 
   const Raycaster scene(std::move(in.mesh));
-  parts::RolesOf roles_of = [&](const GBuffer& g) { return parts::roles_of(g, scene.mesh(), in.roles); };
+  parts::RolesOf roles_of = parts::roles_by_parts(scene, in.roles);
   if (!model_labels.empty()) roles_of = roles_by_labels(std::move(model_labels), in.camera);
   const fitting::Watch watch = fitting::on_terminal();
   const fitting::Seen seen = fitting::see(scene, in.photo, in.camera, roles_of, o, watch, o.camera);
