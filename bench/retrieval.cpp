@@ -118,7 +118,7 @@ Query picture(const Raycaster& scene, Random& random) {
   // What hides it: a bar or a block about a random place of the box, grown until it covers a fifth of the mask.
   double area = 0;
   for (int i = 0; i < 480 * 360; ++i) area += double(q.mask.values[std::size_t(i)]);
-  const detail::Frame frame = detail::frame_of(q.mask);
+  const detail::Rectangle frame = detail::rectangle_of(q.mask);
   const int kind = int(random(0, 3));
   const float cx = random(frame.x0, frame.x1), cy = random(frame.y0, frame.y1);
   const vec3<float> hue = color();
@@ -138,7 +138,7 @@ Query picture(const Raycaster& scene, Random& random) {
   for (int y = 0; y < 360; ++y)
     for (int x = 0; x < 480; ++x)
       if (hidden(x, y)) q.mask.at(x, y) = 0, q.photo.set(x, y, hue);
-  const detail::Frame left = detail::frame_of(q.mask);
+  const detail::Rectangle left = detail::rectangle_of(q.mask);
   const float most = 0.02f * std::max(frame.x1 - frame.x0, frame.y1 - frame.y0) + 1;
   q.cut = std::max({left.x0 - frame.x0, frame.x1 - left.x1, left.y0 - frame.y0, frame.y1 - left.y1}) > most;
   // A camera's exposure: the vehicle's mean becomes 0.1 to 0.4.

@@ -5,11 +5,11 @@
 #include <functional>
 #include <vector>
 #include <burnish/fit/fit.h>
-#include "street.h"
+#include "settings.h"
 
 namespace fitted {
 using namespace burnish;
-using street::Options;
+using fitting::Settings;
 
 /// The diagonal of the inverse of a symmetric positive matrix, n x n row by row, by its Cholesky factor.
 inline std::vector<double> inverse_diagonal(std::vector<double> a, int n) {
@@ -107,7 +107,7 @@ template <class M> std::vector<double> deviations(const M& fitted, const std::fu
 
 /// What the photo does not tell stays near where it began: a parabola over every parameter's range but a colour's, of
 /// that strength, added to the loss and to d. Frozen parameters lose their derivative.
-template <class M> double hold_back(const M& model, const M& start, M& d, const Options& options, float strength) {
+template <class M> double hold_back(const M& model, const M& start, M& d, const Settings& settings, float strength) {
   double loss = 0;
   std::vector<std::pair<std::string, Range>> names;
   for_each_parameter(d, [&](const std::string& name, auto&, Range r) { names.push_back({name, r}); });
@@ -115,7 +115,7 @@ template <class M> double hold_back(const M& model, const M& start, M& d, const 
   each(
       [&](float& slope, const float& x, const float& x0) {
         const auto& [name, range] = names[i++];
-        if (options.frozen(name)) slope = 0;
+        if (settings.frozen(name)) slope = 0;
         else if (name.find("color") == std::string::npos && name.find("behind") == std::string::npos &&
                  name != "mirrored") {
           const float width = range.high - range.low, off = (x - x0) / width;
@@ -136,7 +136,7 @@ template <class M> struct Fitted {
 };
 /// A row a number: before, fitted, how sure, range, remarks.
 template <class M> void add_rows(std::vector<std::vector<std::string>>& rows, const std::string& of, const M& before,
-                                 const Fitted<M>& fitted, const Options& o) {
+                                 const Fitted<M>& fitted, const Settings& settings) {
   const auto text = [](const char* format, double a, double b = 0) {
     char t[48];
     std::snprintf(t, sizeof t, format, a, b);
@@ -150,7 +150,7 @@ template <class M> void add_rows(std::vector<std::vector<std::string>>& rows, co
     const bool open = sure > 0.2 * double(r.high - r.low);
     rows.push_back({of + " " + name, text("%.3g", old[i++]), text("%.3g", x),
                     sure > 0 ? "+- " + text("%.2g", sure) : "", text("%g to %g", r.low, r.high),
-                    o.frozen(name)              ? "held"
+                    settings.frozen(name)       ? "held"
                     : x <= r.low || x >= r.high ? "at its bound"
                     : open                      ? "the photo does not tell"
                                                 : ""});

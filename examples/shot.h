@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <burnish/fit/render.h>
+#include <burnish/io/photo.h>
 #include <burnish/light/illuminate.h>
 #include <burnish/scene/raycast.h>
 #include "vehicle_parts.h"
@@ -51,10 +52,10 @@ class Compositor {
 public:
   static constexpr int fine = 2;
   Compositor(const Image& photo, const Camera& camera, const Raycaster& scene, const World& w,
-             const std::vector<parts::GivenRole>& given)
+             const parts::RolesOf& roles_of)
       : world(w), background(linear(photo)), width(camera.width * fine) {
     const GBuffer full = scene.trace(camera.scaled(fine), 1);
-    const std::vector<Role> roles = parts::roles_of(full, scene.mesh(), given);
+    const std::vector<Role> roles = roles_of(full);
     hits.resize(std::size_t(camera.width) * std::size_t(camera.height));
     std::vector<std::array<int, fine * fine>> samples(hits.size());
     for (int i = 0; i < full.size(); ++i) {

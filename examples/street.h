@@ -6,35 +6,20 @@
 #include <burnish/io/mesh.h>
 #include <burnish/io/photo.h>
 #include <burnish/math/color.h>
+#include "settings.h"
 #include "vehicle_parts.h"
 
 namespace street {
 using namespace burnish;
 using parts::Role;
 
-inline constexpr float any_yaw = 1000;
-struct Options {
+struct Options : fitting::Settings {
   std::string photo = "/usr/share/darknet/data/dog.jpg", mask, parts, camera;
   std::string vehicle = "/usr/share/sweethome3d/furniture/Scopia.sh3f:scopia/suv/suv.obj";
   std::string environment = "/usr/share/blender/datafiles/studiolights/world/city.exr";
   std::string output = "burnish-fit", resume;
-  std::vector<std::string> roles, freeze = {"tint",
-                                            "coat_ior",
-                                            "mottle.size",
-                                            "flakes.size",
-                                            "flakes.resolved",
-                                            "glass.base_color",
-                                            "glass.specular_roughness",
-                                            "glass.specular_ior",
-                                            "specular_ior"};
-  float yaw = any_yaw, exposure = 0, rate = 0.02f, prior = 0.02f;
-  int steps = 300, patience = 50, threads = 0, pixels = 40000;
-
-  /// Whether a parameter, or what it is a member of, is frozen.
-  bool frozen(const std::string& parameter) const {
-    return std::any_of(freeze.begin(), freeze.end(),
-                       [&](const auto& f) { return parameter == f || parameter.rfind(f + ".", 0) == 0; });
-  }
+  std::vector<std::string> roles;
+  int threads = 0;
 };
 
 inline void add_options(CLI::App& app, Options& o) {
@@ -51,26 +36,7 @@ inline void add_options(CLI::App& app, Options& o) {
   app.add_option("--role", o.roles, "material=paint|glass|rubber|other, as often as needed; the rest is guessed")
       ->take_all();
   app.add_option("--environment", o.environment, "lat-long panorama, EXR or HDR");
-  app.add_option("--yaw", o.yaw, "degrees the panorama is turned about +y; if not given, the best of eight");
-  app.add_option("--exposure", o.exposure, "strength of the light; 0: found from the photo's brightness")
-      ->capture_default_str();
-  app.add_option("--pixels", o.pixels, "of the vehicle, at most: a larger photo is made smaller")
-      ->check(CLI::Range(100, 100000000))
-      ->capture_default_str();
-  app.add_option("--steps", o.steps, "at most")->check(CLI::Range(1, 100000))->capture_default_str();
-  app.add_option("--patience", o.patience, "a fit ends when so many steps gain nothing; 0: never")
-      ->check(CLI::Range(0, 100000))
-      ->capture_default_str();
-  app.add_option("--rate", o.rate, "of Adam, in parts of every parameter's range")
-      ->check(CLI::Range(1e-6f, 1.0f))
-      ->capture_default_str();
-  app.add_option("--prior", o.prior, "how strongly what the photo does not tell is held where it began")
-      ->check(CLI::Range(0.0f, 10.0f))
-      ->capture_default_str();
-  app.add_option("--freeze", o.freeze, "parameters that stay as they are")
-      ->take_all()
-      ->delimiter(',')
-      ->capture_default_str();
+  fitting::add_settings(app, o);
   app.add_option("--resume", o.resume, "go on from the states in this folder");
   app.add_option("--threads", o.threads, "0: all cores")->check(CLI::Range(0, 1024))->capture_default_str();
   app.add_option("-o,--output", o.output, "folder for pictures and files")->capture_default_str();
@@ -189,7 +155,7 @@ struct Inputs {
   Image panorama;
   Mesh mesh;
   MeshReport report;
-  std::vector<parts::GivenRole> roles;
+  std::vector<GivenKind> roles;
 };
 /// Error for whatever is wrong with any of it.
 inline Inputs read(const Options& o) {

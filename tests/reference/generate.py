@@ -1,13 +1,13 @@
 #!/usr/bin/env python3
-# tests/reference/generate.py -- makes the numbers in data/ with Mitsuba 3, or says that they have changed
+# tests/reference/generate.py -- makes the numbers in data/ with Mitsuba 3 and PyTorch, or says that they have changed
 # SPDX-License-Identifier: Apache-2.0
-"""Makes the reference numbers of tests/reference/data with Mitsuba 3.9.1 and Dr.Jit 1.5.0, and compares them with the
-files there. Exits with 1 and names array, worst difference and tolerance where they differ, with 2 where it cannot
-work.
+"""Makes the reference numbers of tests/reference/data with Mitsuba 3.9.1 and Dr.Jit 1.5.0, those of networks with
+PyTorch 1.13, and compares them with the files there. Exits with 1 and names array, worst difference and tolerance where
+they differ, with 2 where it cannot work.
 
-to set up (Debian 12):
-  apt-get install libllvm19
-  python3 -m venv mitsuba && mitsuba/bin/pip install mitsuba==3.9.1 drjit==1.5.0 numpy
+to set up (Debian 12; only vgg wants torch, and nothing else):
+  apt-get install libllvm19 python3-torch
+  python3 -m venv --system-site-packages mitsuba && mitsuba/bin/pip install mitsuba==3.9.1 drjit==1.5.0 numpy
 examples:
   mitsuba/bin/python tests/reference/generate.py                makes all, compares with the committed files
   mitsuba/bin/python tests/reference/generate.py --only bsdf    one module, here bsdf.py
@@ -24,7 +24,8 @@ import time
 
 VERSIONS = {"mitsuba": "3.9.1", "drjit": "1.5.0"}
 # Each module has arrays(): a dict {name: (array, tolerance)} whose arrays become data/<name>.npy. See README.md.
-MODULES = ["bsdf", "emitter_texture", "images"]
+MODULES = ["bsdf", "emitter_texture", "images", "vgg"]
+WITHOUT_MITSUBA = ["vgg"]
 HERE = pathlib.Path(__file__).resolve().parent
 
 
@@ -75,7 +76,8 @@ def main():
     parser.add_argument("--write", action="store_true", help="write the files instead of comparing with them")
     parser.add_argument("--only", choices=MODULES, help="make the arrays of one module")
     args = parser.parse_args()
-    load_mitsuba()
+    if args.only not in WITHOUT_MITSUBA:
+        load_mitsuba()
     import numpy as np
     sys.path.insert(0, str(HERE))
     data = HERE / "data"

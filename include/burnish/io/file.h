@@ -53,7 +53,7 @@ inline std::string read_text(const std::string& path) {
   if (!file) throw Error(path + ": " + (std::filesystem::exists(path) ? "cannot be read" : "no such file"));
   std::ostringstream text;
   text << file.rdbuf();
-  return text.str();
+  return std::move(text).str();
 }
 
 inline void write_text(const std::string& path, const std::string& text) {

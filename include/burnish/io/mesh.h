@@ -13,8 +13,8 @@
 #include <assimp/material.h>
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
-#include <minizip/unzip.h>
 #include <burnish/io/texture.h>
+#include <burnish/io/zip.h>
 #include <burnish/scene/vehicle.h>
 
 namespace burnish {
@@ -22,43 +22,27 @@ namespace detail {
 /// A zip archive as Assimp's file system. Names are looked up without regard to case, "./" and "\\".
 class ZipFiles final : public Assimp::IOSystem {
 public:
-  explicit ZipFiles(const std::string& path) : zip_(unzOpen64(path.c_str())) {
-    if (!zip_) throw Error(path + ": not a zip archive that can be read");
-    for (int more = unzGoToFirstFile(zip_); more == UNZ_OK; more = unzGoToNextFile(zip_)) {
-      char name[4096];
-      unz_file_info64 info;
-      if (unzGetCurrentFileInfo64(zip_, &info, name, sizeof name, nullptr, 0, nullptr, 0) == UNZ_OK)
-        names_.emplace_back(name);
-    }
-  }
-  ~ZipFiles() override { unzClose(zip_); }
-  ZipFiles(const ZipFiles&) = delete;
-  ZipFiles& operator=(const ZipFiles&) = delete;
+  explicit ZipFiles(const std::string& path) : zip_(path) {}
 
-  const std::vector<std::string>& names() const { return names_; }
+  const std::vector<std::string>& names() const { return zip_.names(); }
   bool Exists(const char* name) const override { return find(name) != nullptr; }
   char getOsSeparator() const override { return '/'; }
   Assimp::IOStream* Open(const char* name, const char* mode) override {
     const std::string* found = find(name);
     if (!found || std::string(mode).find('w') != std::string::npos) return nullptr;
-    unz_file_info64 info;
-    if (unzLocateFile(zip_, found->c_str(), 1) != UNZ_OK || unzOpenCurrentFile(zip_) != UNZ_OK) return nullptr;
-    unzGetCurrentFileInfo64(zip_, &info, nullptr, 0, nullptr, 0, nullptr, 0);
-    const std::size_t size = std::size_t(info.uncompressed_size);
-    auto bytes = std::make_unique<std::uint8_t[]>(size + 1);
-    std::size_t done = 0;
-    for (int n; done < size && (n = unzReadCurrentFile(zip_, bytes.get() + done,
-                                                       unsigned(std::min<std::size_t>(size - done, 1u << 30)))) > 0;) {
-      done += std::size_t(n);
+    try {
+      const std::string file = zip_.read(*found);
+      auto bytes = std::make_unique<std::uint8_t[]>(file.size() + 1);
+      std::copy(file.begin(), file.end(), bytes.get());
+      return new Assimp::MemoryIOStream(bytes.release(), file.size(), true);
+    } catch (const Error&) {
+      return nullptr;  // as Assimp wants it
     }
-    if (unzCloseCurrentFile(zip_) != UNZ_OK || done != size) return nullptr;
-    return new Assimp::MemoryIOStream(bytes.release(), size, true);
   }
   void Close(Assimp::IOStream* file) override { delete file; }
 
 private:
-  unzFile zip_;
-  std::vector<std::string> names_;
+  ZipArchive zip_;
 
   static std::string plain(std::string s) {
     for (char& c : s) c = c == '\\' ? '/' : char(std::tolower(static_cast<unsigned char>(c)));
@@ -67,8 +51,8 @@ private:
   }
   const std::string* find(const std::string& name) const {
     const std::string wanted = plain(name);
-    const auto i = std::find_if(names_.begin(), names_.end(), [&](const std::string& n) { return plain(n) == wanted; });
-    return i == names_.end() ? nullptr : &*i;
+    const auto i = std::find_if(names().begin(), names().end(), [&](const std::string& n) { return plain(n) == wanted; });
+    return i == names().end() ? nullptr : &*i;
   }
 };
 

@@ -21,12 +21,12 @@ inline void check_photo(const Mask& vehicle, const Image& photo) {
 struct Cutout {
   Mask mask;
   Image image;
-  Frame box;
+  Rectangle box;
 
   Cutout() = default;
   Cutout(const Mask& vehicle, const Image& photo) {
     check_photo(vehicle, photo);
-    const Frame f = frame_of(vehicle);
+    const Rectangle f = rectangle_of(vehicle);
     const int x0 = std::max(0, int(f.x0) - 4), y0 = std::max(0, int(f.y0) - 4),
               w = std::min(vehicle.width, int(f.x1) + 4) - x0, h = std::min(vehicle.height, int(f.y1) + 4) - y0;
     mask = cropped(vehicle, x0, y0, w, h), image = cropped(photo, x0, y0, w, h);
@@ -60,10 +60,10 @@ struct Cutout {
         }
         out.image.set(x, y, color);
       }
-    out.box = frame_of(out.mask);
+    out.box = rectangle_of(out.mask);
     return out;
   }
-  Sight sight(const Frame& at) const {
+  Sight sight(const Rectangle& at) const {
     return sight_of(
         mask, at, 3, [&](int c, int x, int y) { return image.plane(c)[std::size_t(y * image.width + x)]; }, 0.02f);
   }
@@ -82,7 +82,7 @@ inline Sight sight_of(const GBuffer& seen) {
     values[6].values[p] = seen.plane[GBuffer::depth][k];
   }
   return sight_of(
-      mask, frame_of(mask), planes, [&](int c, int x, int y) { return values[std::size_t(c)].at(x, y); }, 0.1f);
+      mask, rectangle_of(mask), planes, [&](int c, int x, int y) { return values[std::size_t(c)].at(x, y); }, 0.1f);
 }
 }  // namespace detail
 

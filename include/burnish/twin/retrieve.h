@@ -40,7 +40,7 @@ public:
 
   explicit Guessed(const Cutout& of) : cutout(&of), box(of.box), plain(of.sight(of.box)) { enclose(); }
   void add(const Guess& g) {
-    const Frame f = frame(g);
+    const Rectangle f = frame(g);
     const bool moved = g.kind == Guess::side || g.moved != std::array<float, 4>{};
     const Described d = numbers_of(moved ? cutout->sight(f) : plain, unknown(g, f));
     guesses.push_back(g);
@@ -51,11 +51,11 @@ public:
 private:
   static constexpr int w = SightGrid::width, h = SightGrid::height;
   const Cutout* cutout;
-  Frame box;
+  Rectangle box;
   Sight plain;
   std::vector<bool> enclosed;
 
-  Frame frame(const Guess& g) const {
+  Rectangle frame(const Guess& g) const {
     std::array<float, 4> out = g.moved;
     if (g.kind == Guess::side) out[std::size_t(g.which)] += g.part;
     const float wide = box.x1 - box.x0, high = box.y1 - box.y0;
@@ -78,7 +78,7 @@ private:
                                            ((y > top[i] && y < bottom[i]) || (x > left[j] && x < right[j]));
       }
   }
-  std::vector<bool> unknown(const Guess& g, const Frame& f) const {
+  std::vector<bool> unknown(const Guess& g, const Rectangle& f) const {
     std::vector<bool> out(std::size_t(w * h));
     const float wide = f.x1 - f.x0, high = f.y1 - f.y0;
     for (int y = 0; y < h && g.kind != Guess::nothing; ++y)

@@ -34,12 +34,12 @@ inline constexpr int view_numbers =
 namespace detail {
 
 /// A rectangle of a picture, pixels; it may reach beyond it.
-struct Frame {
+struct Rectangle {
   float x0 = 0, y0 = 0, x1 = 0, y1 = 0;
 };
 
 /// Where the mask is, but for what is thinner than a thirtieth of it (aerials, stray pixels). Error for an empty mask.
-inline Frame frame_of(const Mask& m) {
+inline Rectangle rectangle_of(const Mask& m) {
   std::vector<float> columns(std::size_t(m.width)), rows(std::size_t(m.height));
   for (int y = 0; y < m.height; ++y)
     for (int x = 0; x < m.width; ++x) columns[std::size_t(x)] += m.at(x, y), rows[std::size_t(y)] += m.at(x, y);
@@ -50,7 +50,7 @@ inline Frame frame_of(const Mask& m) {
     while (last > first && sums[std::size_t(last - 1)] < least) --last;
     low = float(first), high = float(last);
   };
-  Frame f;
+  Rectangle f;
   ends(columns, f.x0, f.x1), ends(rows, f.y0, f.y1);
   if (f.x1 - f.x0 < 2 || f.y1 - f.y0 < 2) throw Error("the mask is empty, expected a vehicle on it");
   return f;
@@ -58,9 +58,9 @@ inline Frame frame_of(const Mask& m) {
 
 /// A plane of a picture stretched from a window onto width x height pixels: bilinear when larger, a tent over all that
 /// a pixel covers when smaller. Beyond the picture it is 0.
-class Window {
+class Stretched {
 public:
-  Window(const Frame& f, int picture_width, int picture_height, int width, int height)
+  Stretched(const Rectangle& f, int picture_width, int picture_height, int width, int height)
       : columns(f.x0, f.x1, picture_width, width), rows(f.y0, f.y1, picture_height, height) {}
 
   template <class Value> Floats operator()(Value value) const {
@@ -131,13 +131,13 @@ struct Sight {
 };
 
 /// A mask and any number of planes (values of the picture) stretched from a box. knee: a slope that is no edge.
-template <class Value> Sight sight_of(const Mask& mask, const Frame& box, int planes, Value value, float knee) {
+template <class Value> Sight sight_of(const Mask& mask, const Rectangle& box, int planes, Value value, float knee) {
   using G = SightGrid;
   constexpr int w = G::width, h = G::height;
   const float wide = box.x1 - box.x0, high = box.y1 - box.y0;
-  const Frame frame{box.x0 - G::margin * wide, box.y0 - G::margin * high, box.x1 + G::margin * wide,
+  const Rectangle frame{box.x0 - G::margin * wide, box.y0 - G::margin * high, box.x1 + G::margin * wide,
                     box.y1 + G::margin * high};
-  const Window window(frame, mask.width, mask.height, w, h);
+  const Stretched window(frame, mask.width, mask.height, w, h);
   Sight out;
   out.ratio = wide / high;
   out.seen = window([&](int x, int y) { return mask.at(x, y); });
