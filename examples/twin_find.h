@@ -5,10 +5,9 @@
 #include <memory>
 #include <burnish/io/build_library.h>
 #include <burnish/io/photo.h>
-#include <burnish/twin/describe.h>
 #include <burnish/twin/match_pose.h>
 #include <burnish/twin/preview.h>
-#include <burnish/twin/search.h>
+#include <burnish/twin/retrieve.h>
 #include "cards.h"
 #include "progress.h"
 
@@ -48,8 +47,7 @@ inline std::vector<Candidate> retrieve(const Library& library, const std::string
   const LibrarySpace& s = space->second;
   Progress bar("retrieve");
   std::vector<Candidate> out;
-  for (const NearestModel& f :
-       nearest_models(s.values, s.columns, first_rows(library, s), describe(mask, photo), count)) {
+  for (const NearestModel& f : burnish::retrieve(s.values, first_rows(library, s), mask, photo, count)) {
     const LibraryEntry& e = library.entries[std::size_t(f.model)];
     out.push_back({e.path, e.name, double(f.cosine), nullptr, {}, {}});
   }

@@ -111,10 +111,15 @@ private:
 
 /// The k models that the photo may show, best first, each with the row of its view that is nearest. rows: of all models
 /// (n x view_numbers), model m's first is first[m], first.back() is n. The mask has the photo's size and lacks what
-/// hides the vehicle. Error as describe().
+/// hides the vehicle. Error as describe(), or
+/// where rows and models do not go together.
 inline std::vector<NearestModel> retrieve(std::span<const float> rows, std::span<const int> first, const Mask& vehicle,
                                           const Image& photo, int k, const RetrieveOptions& options = {}) {
   using namespace detail;
+  check_rows(rows, view_numbers, {});
+  if (first.empty() || std::size_t(first.back()) * view_numbers != rows.size())
+    throw Error("retrieve: " + std::to_string(rows.size()) + " numbers, expected " + std::to_string(view_numbers) +
+                " for each row of the models");
   const Cutout cutout(vehicle, photo);
   Guessed guessed(cutout);
   guessed.add({Guess::nothing, 0, 0, {}});
