@@ -111,8 +111,8 @@ private:
 
 /// The k models that the photo may show, best first, each with the row of its view that is nearest. rows: of all models
 /// (n x view_numbers), model m's first is first[m], first.back() is n. The mask has the photo's size and lacks what
-/// hides the vehicle. Error as describe(), or
-/// where rows and models do not go together.
+/// hides the vehicle. Error as describe(), or where rows and
+/// models do not go together.
 inline std::vector<NearestModel> retrieve(std::span<const float> rows, std::span<const int> first, const Mask& vehicle,
                                           const Image& photo, int k, const RetrieveOptions& options = {}) {
   using namespace detail;
