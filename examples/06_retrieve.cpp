@@ -124,9 +124,9 @@ int run(Options o) {
   if (!o.index_only && o.by != "views") {
     if (o.query.empty()) throw Error("--query is missing: which vector of the space " + o.by + " is looked for?");
     Embeddings e = read_embeddings(o.query);
-    if (int(e.rows.size()) != e.columns) throw Error(o.query + ": several rows, expected one");
-    query = std::move(e.rows);
-    normalise_rows(query, e.columns);
+    if (e.vectors.shape[0] != 1) throw Error(o.query + ": several rows, expected one");
+    query = std::move(e.vectors.values);
+    normalise_rows(query, int(query.size()));
   } else if (!o.index_only) {
     if (o.mask.empty() && o.photo == Options().photo)
       o.mask = std::string(BURNISH_EXAMPLES_DATA) + "/dog_pickup.mask.png";

@@ -273,7 +273,7 @@ TEST_CASE("Library of files: vectors from elsewhere are a space that outlives th
       folder.write("cars/one.obj", car(1.4, 1));
   const std::string index = folder / "index";
   Library l = build(index, {folder / "cars"}).library;
-  Embeddings e{3, {0, 3, 4, 1, 0, 0, 0, 0, 2, 5, 5, 5}, {"van/scene.obj", "a", "one", "who"}};
+  Embeddings e{{"van/scene.obj", "a", "one", "who"}, {{4, 3}, {0, 3, 4, 1, 0, 0, 0, 0, 2, 5, 5, 5}}};
   CHECK(add_space(l, "clip", e, "e") == 2);  // one.obj is refused, who is not there
   write_library(index, l);
   // The first entry changes and goes; the other's vector stays.
@@ -293,18 +293,17 @@ TEST_CASE("Library of files: vectors from elsewhere are a space that outlives th
 
   e.names.back() = e.names[0];
   CHECK(has(error_of([&] { add_space(l, "views", e, "e"); }), "other than views"));
-  CHECK(has(error_of([&] { add_space(l, "clip", {1, {1}, {"who"}}, "e"); }), "e: no row has the name"));
-  CHECK(has(error_of([&] { add_space(l, "clip", {1, {1}, {}}, "e"); }), "e: no names"));
+  CHECK(has(error_of([&] { add_space(l, "clip", {{"who"}, {{1, 1}, {1}}}, "e"); }), "e: no row has the name"));
   // As NPY with names beside, and as safetensors.
-  write_npy(folder / "e.npy", {{4, 3}, e.rows});
-  folder.write("e.npy.txt", "van\r\nb\nc\nd\n");
+  write_npy(folder / "e.npy", e.vectors);
+  folder.write("e.txt", "van\r\nb\nc\nd\n");
   CHECK(read_embeddings(folder / "e.npy").names == std::vector<std::string>{"van", "b", "c", "d"});
-  CHECK(read_embeddings(folder / "e.npy").rows == e.rows);
-  folder.write("e.npy.txt", "a\nb\n");
-  CHECK(has(error_of([&] { read_embeddings(folder / "e.npy"); }), "4 rows and 2 names"));
+  CHECK(read_embeddings(folder / "e.npy").vectors.values == e.vectors.values);
+  folder.write("e.txt", "a\nb\n");
+  CHECK(has(error_of([&] { read_embeddings(folder / "e.npy"); }), "2 names, 4 rows"));
   write_safetensors(folder / "e.safetensors", {{{"x", {{2}, {1, 2}}}}, {{"names", "a"}}});
-  CHECK(read_embeddings(folder / "e.safetensors").columns == 2);
-  CHECK(has(error_of([&] { read_embeddings(folder / "e.txt"); }), "expected a file .npy"));
+  CHECK(read_embeddings(folder / "e.safetensors").vectors.shape[1] == 2);
+  CHECK(has(error_of([&] { read_embeddings(folder / "e.txt"); }), "expected a .npy"));
 }
 
 TEST_CASE("Library file: a damaged one is refused in one line, and so is a folder that is not there", "[io][limit]") {
