@@ -253,6 +253,25 @@ inline float steadiness(const Image& photo, const PixelBox& box) {
 }
 }  // namespace detail
 
+/// A mask's piece at a place (the largest without one), holes filled; soft edges stay soft.
+inline Mask cleaned(const Mask& mask, std::optional<vec2<float>> place = {}) {
+  cv::Mat in(mask.height, mask.width, CV_8U);
+  for (int y = 0; y < mask.height; ++y)
+    for (int x = 0; x < mask.width; ++x) in.at<std::uint8_t>(y, x) = mask.at(x, y) > 0.5f ? 255 : 0;
+  std::optional<cv::Point> point;
+  if (place) point = cv::Point(int(place->x), int(place->y));
+  const cv::Mat piece = detail::one_piece(in, point);
+  cv::Mat near;
+  cv::dilate(piece, near, cv::Mat::ones(3, 3, CV_8U));
+  Mask out = mask;
+  for (int y = 0; y < mask.height; ++y)
+    for (int x = 0; x < mask.width; ++x) {
+      if (!near.at<std::uint8_t>(y, x)) out.at(x, y) = 0;
+      else if (piece.at<std::uint8_t>(y, x) && mask.at(x, y) <= 0.5f) out.at(x, y) = 1;
+    }
+  return out;
+}
+
 /// The vehicle in a box. The mask is empty where nothing in the box stands out.
 inline Segmented segment(const Image& photo, const PixelBox& box, const SegmentOptions& options = {}) {
   Segmented s;
