@@ -215,7 +215,10 @@ inline Cut cut_out(const CutWindow& window, std::optional<cv::Point> place) {
   std::vector<char> open(in.size());
   for (int i = 0; i < w * h; ++i) {
     in[std::size_t(i)] = core.at<std::uint8_t>(i / w, i % w) != 0;
-    open[std::size_t(i)] = reach.at<std::uint8_t>(i / w, i % w) && !in[std::size_t(i)];
+    const bool wheel = std::any_of(cut.wheels.begin(), cut.wheels.end(), [&](const SeenWheel& e) {
+      return e.contains(float(i % w) + 0.5f, float(i / w) + 0.5f);
+    });
+    open[std::size_t(i)] = (reach.at<std::uint8_t>(i / w, i % w) || wheel) && !in[std::size_t(i)];
   }
   in = star.by_pixels(sum(), std::move(in), open);
   cv::Mat smooth;
