@@ -55,12 +55,13 @@ struct Embeddings {
   std::vector<std::string> names;
   Tensor vectors;  // names.size() x D
 };
-/// Rows without a name get their number, from 0. Error where names and rows differ in number, or a number is none.
+/// An array of one dimension is one row. Rows without a name get their number, from 0. Error where names and rows differ in number, or a number is none.
 inline Embeddings read_embeddings(const std::string& path) {
   NamedTensors all = read_tensors(path);
   Embeddings e;
   e.vectors = detail::the_tensor(all, "vectors", path);
-  if (e.vectors.shape.size() != 2)
+  if (e.vectors.shape.size() == 1) e.vectors.shape.insert(e.vectors.shape.begin(), 1);
+  if (e.vectors.shape.size() != 2 || e.vectors.shape[1] == 0)
     throw Error(path + ": shape " + detail::shape_text(e.vectors.shape) + ", expected [N, D]");
   for (std::size_t i = 0; i < e.vectors.size(); ++i)
     if (!std::isfinite(e.vectors.values[i]))
@@ -70,7 +71,10 @@ inline Embeddings read_embeddings(const std::string& path) {
   std::string text = all.texts.count("names") ? all.texts["names"] : "";
   if (all.tensors.count("") && std::filesystem::exists(beside)) text = read_text(beside);
   std::istringstream lines(text);
-  for (std::string line; std::getline(lines, line);) e.names.push_back(line);
+  for (std::string line; std::getline(lines, line);) {
+    if (!line.empty() && line.back() == '\r') line.pop_back();
+    e.names.push_back(line);
+  }
   if (e.names.empty())
     for (std::size_t i = 0; i < rows; ++i) e.names.push_back(std::to_string(i));
   if (e.names.size() != rows)
