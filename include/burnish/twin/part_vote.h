@@ -19,7 +19,8 @@ struct PartVote {
 };
 /// For every part the kind whose masks cover most of it. labels: a picture for every view, row by row; a view may be
 /// left out with an empty one. Error for a picture of another size or with another number.
-inline std::vector<PartVote> vote_parts(const std::vector<GBuffer>& views, const std::vector<std::vector<int>>& labels) {
+inline std::vector<PartVote> vote_parts(const std::vector<GBuffer>& views,
+                                        const std::vector<std::vector<int>>& labels) {
   if (labels.size() > views.size())
     throw Error(std::to_string(labels.size()) + " label images for " + std::to_string(views.size()) + " views");
   const std::size_t parts = views.empty() ? 0 : views[0].parts.size();
