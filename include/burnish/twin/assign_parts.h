@@ -170,6 +170,13 @@ inline AssignedParts assign_parts(const Raycaster& scene, const AssignOptions& o
   if (area > 0) paint = paint / float(area), paint_open /= float(area);
   // Exporters write light greys where they know no colour.
   const bool untold = detail::apart(paint, vec3<float>(paint.y)) < 0.01f && paint.y > 0.45f;
+  // A panel at the rear, shaped like a pane, in the body's colour is the body's.
+  for (std::size_t p = 0; p < n; ++p) {
+    const PartShape& s = shapes[p];
+    if (out.parts[p].kind == window && !told[p] && !fixed[p] && s.ends > 0.8f && mesh.parts[p].opacity > 0.9f &&
+        area > 0 && !untold && luminance(paint) > 0.05f && detail::apart(s.color, paint) < 0.06f)
+      out.parts[p].kind = other;
+  }
   for (std::size_t p = 0; p < n; ++p) {
     if (!free(p) || area == 0) continue;
     PartGuess& g = out.parts[p];
