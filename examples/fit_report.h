@@ -64,9 +64,9 @@ inline void write_pictures(const std::string& folder, const Seen& seen, const Im
 inline Rows numbers(const Materials& found, const fitting::Settings& settings) {
   const looks::Vehicle before{looks::first_paint(), {}, {}};
   Rows rows{{"parameter", "before", "fitted", "", "range", ""}};
-  if (found.paint.pixels > 0) fitted::add_rows(rows, "paint", before.paint, found.paint, settings);
-  if (found.window.pixels > 0) fitted::add_rows(rows, "glass", before.window, found.window, settings);
-  if (found.rubber.pixels > 0) fitted::add_rows(rows, "rubber", before.rubber, found.rubber, settings);
+  if (found.paint.state.step() > 0) fitted::add_rows(rows, "paint", before.paint, found.paint, settings);
+  if (found.window.state.step() > 0) fitted::add_rows(rows, "glass", before.window, found.window, settings);
+  if (found.rubber.state.step() > 0) fitted::add_rows(rows, "rubber", before.rubber, found.rubber, settings);
   return rows;
 }
 inline void print(const Rows& rows) {
@@ -97,18 +97,18 @@ inline void write_page(const street::Options& o, const MeshReport& mesh, const S
     page.picture(o.output + "/loss.png", loss);
   }
   const Rows rows = numbers(found, o);
-  page.section("The fitted numbers");
+  page.heading("The fitted numbers");
   page.table(rows);
   page.text(
       "Linear colours; lengths in metres. +- is a standard deviation: how much a number could change and the picture "
       "still fit as well, given the light. How strong the light was one photo does not tell: brightness of light and "
       "paint can be exchanged. Here the light is neutral and as strong as a street of middling grey needs to give the "
       "photo's mean brightness, or as a paint of albedo 0.8 needs to be as bright as this one.");
-  page.section("What the camera sees");
+  page.heading("What the camera sees");
   page.picture(o.output + "/gbuffer.png", "Normals, and what each surface was taken as. gbuffer.exr holds all of it.");
   page.table(materials_of(seen));
   if (!seen.guess.empty()) page.text(seen.guess);
-  page.section("What was done to the vehicle's file");
+  page.heading("What was done to the vehicle's file");
   for (const std::string& line : mesh.lines) page.text(line);
   std::snprintf(note, sizeof note, "%.1f s from start to end.", seconds);
   page.text(note);

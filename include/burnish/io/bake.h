@@ -10,8 +10,11 @@
 // Lost are glints of flakes smaller than a texel, base_diffuse_roughness, a coat's own normal, and what a coat's index
 // other than 1.5 does at grazing angles.
 #pragma once
+#include <burnish/ad/parallel.h>
 #include <burnish/io/gltf.h>
 #include <burnish/math/color.h>
+#include <burnish/math/frame.h>
+#include <burnish/scene/gbuffer.h>
 #include <burnish/shade/brdf.h>
 
 namespace burnish {
@@ -116,20 +119,19 @@ inline GltfMaterial gltf_material(const std::string& name, const Surface<float>&
   return m;
 }
 
-/// A node, or any model(at) that gives a Surface, laid out on the plane z = 0 of its own frame: `tile` metres square,
+/// A node, or any model(at) that gives a Surface, laid out on a plane through its own frame: `tile` metres square,
 /// made to repeat without a seam by blending a sixth of it with what lies beyond, its mean and variance kept (Heitz and
 /// Neyret 2018, section 3.2). Only what varies becomes a picture.
 template <class Model> GltfMaterial bake(const std::string& name, const Model& model, const BakeOptions& o = {}) {
-  constexpr int planes = 8;  // base color, roughness, metalness, normal
+  constexpr std::size_t channels = 8;  // base color, roughness, metalness, normal
   const int n = std::max(o.texels, 6), border = n / 6, side = n + border;
-  std::vector<std::array<float, planes>> wide(std::size_t(side) * std::size_t(side)), out(std::size_t(n) * std::size_t(n));
+  std::vector<std::array<float, channels>> wide(std::size_t(side) * std::size_t(side)), out(std::size_t(n) * std::size_t(n));
   Surface<float> middle;
+  const Frame<float> plane = frame_of(vec3<float>(0.48f, 0.64f, 0.6f));  // oblique: a lattice's own planes are not typical
   parallel_for(side, [&](int y) {
     for (int x = 0; x < side; ++x) {
-      Surfel<float> at;
-      at.position = vec3<float>(float(x) + 0.5f, float(y) + 0.5f, 0) * (o.tile / float(n));
-      at.normal = at.view = {0, 0, 1}, at.tangent = {1, 0, 0};
-      at.uv = vec2<float>(at.position.x, at.position.y);
+      const vec2<float> uv(o.tile * (float(x) + 0.5f) / float(n), o.tile * (float(y) + 0.5f) / float(n));
+      const Surfel<float> at{plane.t * uv.x + plane.b * uv.y, plane.n, plane.t, plane.n, uv, 0};
       const Surface<float> s = model(at);
       const vec3<float> c = s.base_color * s.base_weight, b = s.geometry_normal;
       wide[std::size_t(y) * std::size_t(side) + std::size_t(x)] = {
@@ -137,10 +139,10 @@ template <class Model> GltfMaterial bake(const std::string& name, const Model& m
       if (x == 0 && y == 0) middle = s;
     }
   });
-  std::array<double, planes> mean{};
-  std::array<float, planes> low = wide[0], high = wide[0];
+  std::array<double, channels> mean{};
+  std::array<float, channels> low = wide[0], high = wide[0];
   for (const auto& texel : wide)
-    for (std::size_t c = 0; c < planes; ++c)
+    for (std::size_t c = 0; c < channels; ++c)
       mean[c] += double(texel[c]) / double(wide.size()), low[c] = std::min(low[c], texel[c]), high[c] = std::max(high[c], texel[c]);
   const auto varies = [&](std::size_t from, std::size_t count) {
     bool any = false;
@@ -153,7 +155,7 @@ template <class Model> GltfMaterial bake(const std::string& name, const Model& m
       const float u = share(x), v = share(y);
       const float w[4] = {u * v, (1 - u) * v, u * (1 - v), (1 - u) * (1 - v)};
       const float norm = 1 / std::sqrt(w[0] * w[0] + w[1] * w[1] + w[2] * w[2] + w[3] * w[3]);
-      for (std::size_t c = 0; c < planes; ++c) {
+      for (std::size_t c = 0; c < channels; ++c) {
         float sum = 0;
         for (int k = 0; k < 4; ++k) {
           const int i = std::min(x + (k & 1) * n, side - 1), j = std::min(y + (k >> 1) * n, side - 1);

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 //   Page page("A twin of a car");
-//   page.section("Pose").text("From where the photo was taken.").picture(overlay, "green: both");
+//   page.heading("Pose").text("From where the photo was taken.").picture(overlay, "green: both");
 //   page.write("twin.html");
 #pragma once
 #include <burnish/io/photo.h>
@@ -47,10 +47,10 @@ class Page {
 public:
   explicit Page(const std::string& title) : title_(escaped(title)) {}
 
-  /// A chapter; it also stands in the list at the top.
-  Page& section(const std::string& name) {
+  /// A chapter begins; it also stands in the list at the top.
+  Page& heading(const std::string& name) {
     close();
-    const std::string id = "s" + std::to_string(++sections_);
+    const std::string id = std::string("s").append(std::to_string(++sections_));
     contents_ += "<a href=\"#" + id + "\">" + escaped(name) + "</a>\n";
     body_ += "<section id=\"" + id + "\">\n<h2>" + escaped(name) + "</h2>\n";
     open_ = true;

@@ -53,6 +53,7 @@ template <class T> struct Pose {
     return {f * (dot(p, a.right) + right * distance) / z + 0.5f * float(width),
             f * (dot(p, a.down) + down * distance) / z + 0.5f * float(height), z};
   }
+  constexpr vec3<T> project(const vec3<float>& point) const { return project<float>(point); }
   Camera camera() const requires std::is_same_v<T, float> {
     const Axes a = axes();
     Camera c = Camera::pinhole(focal * float(width), focal * float(width), 0.5f * float(width), 0.5f * float(height),
