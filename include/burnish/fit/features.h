@@ -90,11 +90,11 @@ template <class P, class T> [[gnu::always_inline]] inline Jet<P> jet(const T* v,
 }
 /// The jet along 0, 45, 90 and 135 degrees: first derivatives, then second ones.
 template <class P> [[gnu::always_inline]] inline std::array<P, 8> along(const Jet<P>& j) {
-  const P r(0.70710678118654752f), h(0.5f), mean = (j.xx + j.yy) * h;
+  const P r(0.70710678118654752), h(0.5f), mean = (j.xx + j.yy) * h;
   return {j.x, (j.x + j.y) * r, j.y, (j.y - j.x) * r, j.xx, mean + j.xy, j.yy, mean - j.xy};
 }
 template <class P> [[gnu::always_inline]] inline Jet<P> along_back(const std::array<P, 8>& d) {
-  const P r(0.70710678118654752f), h(0.5f), both = (d[5] + d[7]) * h;
+  const P r(0.70710678118654752), h(0.5f), both = (d[5] + d[7]) * h;
   return {d[0] + (d[1] - d[3]) * r, d[2] + (d[1] + d[3]) * r, d[4] + both, d[6] + both, d[5] - d[7]};
 }
 

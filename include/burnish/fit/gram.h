@@ -89,14 +89,14 @@ template <class T> Gram gram(const FeatureLayer<T>& layer) {
     sum.resize(m * m);
     for (std::size_t i = 0; i < m; i += 4)
       for (std::size_t j = i; j < m; j += 4) {
-        P tile[4][4] = {};
+        P block[4][4] = {};
         for (std::size_t k = 0; k < strip; k += 8)
           for (std::size_t p = 0; p < 4; ++p) {
             const P a = P::load(s.weighted.data() + (i + p) * strip + k);
-            for (std::size_t q = 0; q < 4; ++q) tile[p][q] = tile[p][q] + a * P::load(s.plain.data() + (j + q) * strip + k);
+            for (std::size_t q = 0; q < 4; ++q) block[p][q] = block[p][q] + a * P::load(s.plain.data() + (j + q) * strip + k);
           }
         for (std::size_t p = 0; p < 4; ++p)
-          for (std::size_t q = 0; q < 4; ++q) sum[(i + p) * m + j + q] += double(tile[p][q].sum());
+          for (std::size_t q = 0; q < 4; ++q) sum[(i + p) * m + j + q] += double(block[p][q].sum());
       }
   });
   for (std::size_t b = 0; b < bands; ++b) {

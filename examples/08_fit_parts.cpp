@@ -1,0 +1,152 @@
+// examples/08_fit_parts.cpp -- the parts of a posed vehicle against a photo's, by colour, statistics and pattern
+// SPDX-License-Identifier: Apache-2.0
+//
+// As 04_fit_material, with a third loss: the pattern of every part, as Gram matrices of features (fit/gram.h), which need
+// not lie on the photo's pixels. The features are a bank of filters, or a network's of VGG's kind from a file.
+#include <burnish/burnish.h>
+#include <burnish/fit/vgg.h>
+#include <burnish/io/npy.h>
+#include <burnish/io/safetensors.h>
+#include "fit_parts.h"
+#include "fit_report.h"
+#include "pattern.h"
+
+using namespace burnish;
+using parts::Role;
+using street::Inputs;
+
+namespace {
+
+struct Options : street::Options {
+  std::string features = "bank", pooling = "max", model_parts;
+  double gram = 1, statistics = 0.1, pixels_weight = 1;
+  int every = 0;
+  bool compare = false;
+};
+
+fitting::MoreLoss pattern_of(const Options& o) {
+  if (o.gram == 0) return {};
+  if (o.features == "bank") return fitting::pattern(FilterBank{}, o.gram, std::max(1, o.every));
+  const bool npz = o.features.size() > 4 && o.features.substr(o.features.size() - 4) == ".npz";
+  const NamedTensors weights = npz ? read_npz(o.features) : read_safetensors(o.features);
+  return fitting::pattern(Vgg(weights, o.features, o.pooling == "max" ? Pooling::max : Pooling::average), o.gram,
+                          o.every > 0 ? o.every : 10);
+}
+
+/// By labels as --parts has them, of the model as the photo's camera sees it; what lies on no label is other.
+parts::RolesOf roles_by_labels(std::vector<int> labels, const Camera& camera) {
+  return [labels = std::move(labels), camera](const GBuffer& g) {
+    std::vector<Role> roles(std::size_t(g.size()), Role::other);
+    for (int i = 0; i < g.size(); ++i) {
+      const vec3<float> at = camera.project(g.at(i).position);
+      const int x = std::clamp(int(at.x), 0, camera.width - 1), y = std::clamp(int(at.y), 0, camera.height - 1);
+      const int label = labels[std::size_t(y) * std::size_t(camera.width) + std::size_t(x)];
+      if (label >= 1 && label <= 4) roles[std::size_t(i)] = Role(label - 1);
+    }
+    return roles;
+  };
+}
+
+/// Both fits side by side; the numbers by which they differ.
+void compare(const Options& o, const fitting::Seen& seen, const Image& without, const Image& with,
+             const fitting::Materials& plain, const fitting::Materials& found) {
+  using report::panel;
+  write_png(o.output + "/compare.png",
+            sheet({{"photo", panel(shot::linear(seen.photo.image))},
+                   {"without the pattern", panel(without)},
+                   {"with the pattern", panel(with)},
+                   {"difference of the last to the photo", panel(report::difference_to_photo(seen, with))}},
+                  2));
+  const report::Rows a = report::numbers(plain, o), b = report::numbers(found, o);
+  std::printf("  %-28s %10s %10s\n", "", "without", "with");
+  for (std::size_t i = 1; i < std::min(a.size(), b.size()); ++i)
+    if (a[i][5] != "held") std::printf("  %-28s %10s %10s\n", a[i][0].c_str(), a[i][2].c_str(), b[i][2].c_str());
+}
+
+int run(Options o) {
+  if (o.threads > 0) set_threads(o.threads);
+  const Progress whole("");
+  // Everything is read and checked before any work is done and before anything is written.
+  const fitting::Fits fits(o);
+  const fitting::MoreLoss pattern = pattern_of(o);
+  Inputs in = street::read(o);
+  std::vector<int> model_labels;
+  if (!o.model_parts.empty()) model_labels = read_labels(o.model_parts, in.camera.width, in.camera.height);
+  o.weights = {o.pixels_weight, o.statistics};
+  std::printf("%s\n", o.vehicle.c_str());
+  for (const std::string& line : in.report.lines) std::printf("  %s\n", line.c_str());
+
+  const Raycaster scene(std::move(in.mesh));
+  parts::RolesOf roles_of = parts::roles_by_parts(scene, in.roles);
+  if (!model_labels.empty()) roles_of = roles_by_labels(std::move(model_labels), in.camera);
+  const fitting::Watch watch = fitting::on_terminal();
+  const fitting::Seen seen = fitting::see(scene, in.photo, in.camera, roles_of, o, watch, o.camera);
+  report::print_materials(seen);
+  const fitting::Lit lit = fitting::light(scene, seen, in.photo.image, in.panorama, o, watch);
+
+  check_writable(o.output);
+  std::optional<fitting::Materials> plain;
+  if (o.compare) plain = fitting::fit_materials(seen, lit, o, fits, {}, watch);
+  o.checkpoints = o.output;
+  const fitting::Materials found = fitting::fit_materials(seen, lit, o, fits, pattern, watch);
+  report::write_materials(o.output, found, seen);
+  std::vector<looks::Vehicle> vehicles{{looks::first_paint(), {}, {}}, found.best()};
+  if (plain) vehicles.push_back(plain->best());
+  const auto pictures = fitting::draw(scene, seen, lit, roles_of, vehicles, watch);
+  report::write_pictures(o.output, seen, pictures[0], pictures[1]);
+  report::write_page(o, in.report, seen, lit, found,
+                     "By step: mean difference of the pixels where part lies on part, that of the parts' means and "
+                     "variances, and that of the Gram matrices of their features, each by its weight.",
+                     whole.seconds());
+  if (plain) compare(o, seen, pictures[2], pictures[1], *plain, found);
+  std::printf("\n%s after %.1f s. %s/fit.png shows it, %s/report.html tells all; %s/paint.json can be read back.\n",
+              interrupted ? "Interrupted" : "Done", whole.seconds(), o.output.c_str(), o.output.c_str(),
+              o.output.c_str());
+  return interrupted ? 130 : 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  Options o;
+  o.output = "burnish-parts";
+  CLI::App app{
+      "Fits the paint, glass and rubber of a posed CAD vehicle to those of a photo, their patterns among it.\n\n"
+      "Without arguments: the white pickup of darknet's dog.jpg, a vehicle of sweethome3d-furniture and a panorama of\n"
+      "blender-data. For your own:\n\n"
+      "  08_fit_parts --photo street.jpg --mask car.png --parts car.parts.png --camera street.camera.json \\\n"
+      "               --vehicle car.glb --environment sky.exr --features vgg16.safetensors --output parts\n\n"
+      "The loss of a part: 1 times the mean difference of the pixels where it lies on the photo's, plus 0.1 times that\n"
+      "of the parts' means and variances, plus 1 times that of the Gram matrices of their features."};
+  street::add_options(app, o);
+  app.add_option("--features", o.features,
+                 "bank: filters at four octaves; or a network's weights, .safetensors or .npz, by torchvision's names")
+      ->capture_default_str();
+  app.add_option("--pooling", o.pooling, "of the network")
+      ->check(CLI::IsMember({"max", "average"}))
+      ->capture_default_str();
+  const auto weight = CLI::Range(0.0, 1e6);
+  app.add_option("--gram", o.gram, "weight of the pattern; 0: none")->check(weight)->capture_default_str();
+  app.add_option("--statistics", o.statistics, "weight of means and variances")->check(weight)->capture_default_str();
+  app.add_option("--aligned", o.pixels_weight, "weight of the pixels where part lies on part")
+      ->check(weight)
+      ->capture_default_str();
+  app.add_option("--gram-every", o.every, "steps between two looks at the pattern; 0: each for the bank, 10 for a network")
+      ->check(CLI::Range(0, 1000))
+      ->capture_default_str();
+  app.add_option("--model-parts", o.model_parts,
+                 "labels as --parts has them, of the model as the camera sees it; if not given, by --role and its names");
+  app.add_flag("--compare", o.compare, "fit without the pattern, too, and show both");
+  try {
+    app.parse(argc, argv);
+    street::complete(o, BURNISH_EXAMPLES_DATA);  // masks and camera of the default photo
+    catch_interrupt();
+    return run(o);
+  } catch (const CLI::ParseError& e) {
+    if (e.get_exit_code() == 0) return app.exit(e);
+    std::fprintf(stderr, "08_fit_parts: %s\n", e.what());
+  } catch (const std::exception& e) {
+    std::fprintf(stderr, "08_fit_parts: %s\n", e.what());
+  }
+  return 2;
+}
