@@ -35,21 +35,26 @@ namespace detail::grams {
 /// Places that are summed in T before they are added in double; their maps stay near the processor.
 inline constexpr std::size_t strip = 128;
 
-/// The features of a strip (0 where their weight is) and the same times their weights, a multiple of 4 channels.
+/// The features of a strip (0 where their weight is) and the same times their weights, a multiple of 4 channels; the room
+/// is the thread's.
 template <class T> struct Strip {
-  std::size_t channels;
-  std::vector<T, Aligned<T>> plain, weighted;
+  std::size_t channels, size;  // size: places, a multiple of 16
+  const T *plain, *weighted;   // channel by channel, `strip` apart
 
   Strip(const FeatureLayer<T>& layer, std::size_t begin)
-      : channels(padded(std::size_t(layer.maps.channels), 4)), plain(channels * strip), weighted(plain.size()) {
-    const std::size_t stride = layer.maps.stride(), end = std::min(begin + strip, stride);
-    const T* const w = layer.weight.plane(0);
-    for (std::size_t c = 0; c < std::size_t(layer.maps.channels); ++c)
-      for (std::size_t i = begin; i < end; i += 8) {
-        using P = Packet<T, 8>;
-        const P weight = P::load(w + i), x = P::load(layer.maps.values.data() + c * stride + i);
-        const P f = select(weight > P(T(0)), x, P(T(0)));
-        f.store(plain.data() + c * strip + i - begin), (weight * f).store(weighted.data() + c * strip + i - begin);
+      : channels(padded(std::size_t(layer.maps.channels), 4)), size(std::min(strip, layer.maps.stride() - begin)) {
+    using P = Packet<T, 8>;
+    static thread_local std::vector<T, Aligned<T>> room;
+    room.resize(2 * channels * strip);
+    T *f = room.data(), *wf = f + channels * strip;
+    plain = f, weighted = wf;
+    const T* const w = layer.weight.plane(0) + begin;
+    for (std::size_t c = 0; c < channels; ++c, f += strip, wf += strip)
+      for (std::size_t i = 0; i < size; i += 8) {
+        P weight = P::load(w + i), x(T(0));
+        if (c < std::size_t(layer.maps.channels))
+          x = select(weight > P(T(0)), P::load(layer.maps.plane(int(c)) + begin + i), x);
+        x.store(f + i), (weight * x).store(wf + i);
       }
   }
 };
@@ -89,14 +94,17 @@ template <class T> Gram gram(const FeatureLayer<T>& layer) {
     sum.resize(m * m);
     for (std::size_t i = 0; i < m; i += 4)
       for (std::size_t j = i; j < m; j += 4) {
-        P tile[4][4] = {};
-        for (std::size_t k = 0; k < strip; k += 8)
+        P block[4][4] = {};
+        for (std::size_t k = 0; k < s.size; k += 8) {
+          P b[4];
+          for (std::size_t q = 0; q < 4; ++q) b[q] = P::load(s.plain + (j + q) * strip + k);
           for (std::size_t p = 0; p < 4; ++p) {
-            const P a = P::load(s.weighted.data() + (i + p) * strip + k);
-            for (std::size_t q = 0; q < 4; ++q) tile[p][q] = tile[p][q] + a * P::load(s.plain.data() + (j + q) * strip + k);
+            const P a = P::load(s.weighted + (i + p) * strip + k);
+            for (std::size_t q = 0; q < 4; ++q) block[p][q] = block[p][q] + a * b[q];
           }
+        }
         for (std::size_t p = 0; p < 4; ++p)
-          for (std::size_t q = 0; q < 4; ++q) sum[(i + p) * m + j + q] += double(tile[p][q].sum());
+          for (std::size_t q = 0; q < 4; ++q) sum[(i + p) * m + j + q] += double(block[p][q].sum());
       }
   });
   for (std::size_t b = 0; b < bands; ++b) {
@@ -147,12 +155,11 @@ template <class T> double gram_loss(const std::vector<FeatureLayer<T>>& layers, 
     else d.reset(maps.channels, maps.width, maps.height);
     each_strip(layers[k], [&](std::size_t, std::size_t begin) {
       const Strip<T> s(layers[k], begin);
-      const std::size_t end = std::min(strip, maps.stride() - begin);
       for (std::size_t i = 0; i < n; i += 4)
-        for (std::size_t at = 0; at < end; at += 16) {
+        for (std::size_t at = 0; at < s.size; at += 16) {
           P low[4] = {}, high[4] = {};
           for (std::size_t j = 0; j < n; ++j) {
-            const T* const f = s.weighted.data() + j * strip + at;
+            const T* const f = s.weighted + j * strip + at;
             const P f0 = P::load(f), f1 = P::load(f + 8);
             for (std::size_t p = 0; p < 4; ++p) {
               const P by(slope[(i + p) * m + j]);
