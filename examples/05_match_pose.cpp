@@ -49,7 +49,7 @@ int run(const Options& o) {
   if (o.focal > 0) options.focal = o.focal / float(photo.width);
   Progress matching("match");
   const auto found =
-      match_pose(scene, mask, options, o.keep, [&](int done, int of) { matching.show(done, of); });
+      match_pose(scene, mask, photo, options, o.keep, [&](int done, int of) { matching.show(done, of); });
   char note[160];
   std::snprintf(note, sizeof note, "%d views, the best %zu refined", options.azimuths * int(options.elevations.size()),
                 found.size());
@@ -60,11 +60,12 @@ int run(const Options& o) {
   std::vector<Panel> panels;
   const int wide = 640, high = std::max(1, wide * photo.height / photo.width);
   panels.push_back({"photo", resized(photo, wide, high)});
-  for (const MatchedPose& m : found) {
+  for (const PoseCandidate& m : found) {
     const Pose<float>&p = m.pose, &d = m.deviation;
-    std::snprintf(note, sizeof note, "IoU %.3f, from %.0f degrees, %.1f m away", m.iou, degrees(p.azimuth),
+    std::snprintf(note, sizeof note, "IoU %.3f, edges %.2f, tone %.2f, from %.0f degrees, %.1f m away", m.iou, m.agreement.edges, m.agreement.tone, degrees(p.azimuth),
                   double(p.distance));
     panels.push_back({note, resized(overlay(photo, mask, scene.trace(p.camera()).frame("coverage")), wide, high)});
+    std::printf("edges %.3f tone %.3f score %.3f belief %.3f   ", m.agreement.edges, m.agreement.tone, m.score, m.belief);
     std::printf("IoU %.3f   azimuth %.1f +- %.1f   elevation %.1f +- %.1f   roll %.1f +- %.1f degrees   "
                 "distance %.2f +- %.2f m   focal length %.0f%s\n",
                 m.iou, degrees(p.azimuth), degrees(d.azimuth), degrees(p.elevation), degrees(d.elevation),

@@ -50,10 +50,12 @@
 #include <burnish/shade/fresnel.h>
 #include <burnish/shade/ggx.h>
 #include <burnish/shade/principled.h>
+#include <burnish/shade/sample.h>
 #include <burnish/light/environment.h>
 #include <burnish/light/illuminate.h>
 #include <burnish/light/irradiance.h>
 #include <burnish/light/lamps.h>
+#include <burnish/light/panorama_sampler.h>
 #include <burnish/light/pyramid.h>
 #include <burnish/light/rings.h>
 #include <burnish/light/samples.h>

@@ -259,3 +259,21 @@ TEST_CASE("safetensors: what is wrong is said in one line", "[io][limit]") {
     return n;
   });
 }
+
+TEST_CASE("safetensors: bytes and halves are written narrow and read back", "[io][agreement]") {
+  const files::Folder folder;
+  const std::string path = folder / "t.safetensors";
+  NamedTensors t;
+  t.tensors["bytes"] = {{4}, {0, 1, 128, 255}};
+  // 1 + 2^-11 and 1 + 3 * 2^-11 lie between two halves and go to the even one; the smallest half is 2^-24.
+  t.tensors["halves"] = {{8}, {1, -2.5f, 1.00048828125f, 1.00146484375f, 5.9604645e-8f, 65504, 1e6f, 2e-8f}};
+  write_safetensors(path, t, {{"bytes", detail::NumberType::u8}, {"halves", detail::NumberType::f16}});
+  const NamedTensors back = read_safetensors(path);
+  CHECK(back.tensors.at("bytes").values == t.tensors["bytes"].values);
+  CHECK(back.tensors.at("halves").values ==
+        std::vector<float>{1, -2.5f, 1, 1.001953125f, 5.9604645e-8f, 65504, std::numeric_limits<float>::infinity(), 0});
+  CHECK(read_text(path).find("\"U8\"") != std::string::npos);
+  CHECK(read_text(path).find("\"F16\"") != std::string::npos);
+  for (unsigned h = 0; h < 0x7c00; ++h)
+    REQUIRE(detail::to_half(detail::from_half(std::uint16_t(h))) == h);
+}

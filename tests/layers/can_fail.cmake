@@ -16,7 +16,7 @@ function(expect message)  # header, text, header, text, ...
   endif()
 endfunction()
 
-expect("" ad/a.h "#include <cmath>" math/b.h "#include <burnish/ad/a.h>" scene/raycast.h "#include <embree4/rtcore.h>")
+expect("" ad/a.h "#include <cmath>" math/b.h "#include <burnish/ad/a.h>" scene/embree.h "#include <embree4/rtcore.h>")
 expect("ad/a.h includes math/b.h" ad/a.h "#include <burnish/math/b.h>" math/b.h "")
 expect("shade/a.h includes nodes/b.h" shade/a.h "#include <burnish/nodes/b.h>" nodes/b.h "")
 expect("circle" ad/a.h "#include <burnish/ad/b.h>" ad/b.h "#include <burnish/ad/a.h>")

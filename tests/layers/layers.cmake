@@ -18,7 +18,7 @@ set(below_street "ad/" "math/" "nodes/" "scene/" "shade/" "light/" "fit/" "twin/
 set(below_io "ad/" "math/" "nodes/" "scene/" "shade/" "light/" "graph/" "fit/" "twin/" "street/")
 
 # Third parties, each behind its doors.
-set(third_scene/raycast.h "^embree[34]/")
+set(third_scene/embree.h "^embree[34]/")
 set(third_twin/segment.h "^opencv2/")
 set(third_io "^(OpenImageIO|assimp|minizip|nlohmann)/")
 set(third_io/network.h "^(opencv2|nlohmann)/")

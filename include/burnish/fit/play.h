@@ -197,11 +197,11 @@ void play(const Run& run, const G& g, const M& model, const std::tuple<const Dat
 template <Player Which, bool Image, class G, class M, class Look, class... Data, class Fill, class Done>
 void gradient(const G& g, const With<Look, Data...>& w, const M& model, int outputs, Fill fill, Done done, M& d) {
   using One = typename model_at<M>::type;
-  using Pixels = pixels_of<G>;
+  using PixelsOf = pixels_of<G>;
   constexpr bool maps = is_planes<M>;
   constexpr bool fixed = has_fixed_members<One>() || (... || has_fixed_members<Data>());
   constexpr bool compile = Which == Player::compiled || (Which == Player::automatic && !fixed &&
-                           CompilerRecords<One, Pixels::template type, maps, Look, Data...>);
+                           CompilerRecords<One, PixelsOf::template type, maps, Look, Data...>);
   if constexpr (compile) {
     static_assert(!fixed, "burnish: the compiler cannot know what is Fixed in this model or data; leave the choice to "
                           "Player::automatic, or make it a parameter");
@@ -209,15 +209,15 @@ void gradient(const G& g, const With<Look, Data...>& w, const M& model, int outp
                   "burnish: this look captures; the compiler cannot record it. Hand run-time data over "
                   "with with(look, data...), or leave the choice to Player::automatic");
     static_assert(
-        !Captureless<Look> || CompilerRecords<One, Pixels::template type, maps, Look, Data...>,
+        !Captureless<Look> || CompilerRecords<One, PixelsOf::template type, maps, Look, Data...>,
         "burnish: the compiler cannot record this look; make every function that it calls constexpr, or leave the "
         "choice to Player::automatic. What stopped it is named below.");
-    using S = Source<One, Pixels::template type, maps, Look, Data...>;
+    using S = Source<One, PixelsOf::template type, maps, Look, Data...>;
     play(CompiledRun<Image, true, S, G, M, Data...>(0), g, model, w.data, outputs, Image, fill, done, d);
   } else {
     const One* plain = nullptr;
     if constexpr (!maps) plain = &model;
-    const Replay replay(record<One, Pixels::template type, maps, Look, Data...>(w.look, plain, &w.data), Image, true);
+    const Replay replay(record<One, PixelsOf::template type, maps, Look, Data...>(w.look, plain, &w.data), Image, true);
     play(ReplayRun{replay}, g, model, w.data, outputs, Image, fill, done, d);
   }
 }

@@ -32,6 +32,16 @@ inline float from_half(std::uint16_t h) {
   return h & 0x8000 ? -size : size;
 }
 
+/// The nearest binary16, ties to even; beyond its range infinity, NaN stays.
+inline std::uint16_t to_half(float x) {
+  const std::uint32_t bits = std::bit_cast<std::uint32_t>(x), sign = (bits >> 16) & 0x8000u, size = bits & 0x7fffffffu;
+  if (size > 0x7f800000u) return std::uint16_t(sign | 0x7e00u);
+  if (size >= 0x477ff000u) return std::uint16_t(sign | 0x7c00u);  // 65520 on rounds up to infinity
+  if (size < 0x38800000u)  // below 2^-14 in steps of 2^-24: the addition rounds
+    return std::uint16_t(sign | (std::bit_cast<std::uint32_t>(std::bit_cast<float>(size) + 0.5f) - 0x3f000000u));
+  return std::uint16_t(sign | ((size - 0x38000000u + 0xfffu + ((size >> 13) & 1u)) >> 13));
+}
+
 /// How many numbers a shape has; nothing when they would take more than `most` bytes of `width` each.
 inline std::optional<std::size_t> count_of(const std::vector<std::size_t>& shape, std::size_t width, std::size_t most) {
   if (std::find(shape.begin(), shape.end(), std::size_t(0)) != shape.end()) return 0;

@@ -6,6 +6,7 @@
 #include <memory>
 #include <string>
 #include <vector>
+#include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imagebuf.h>
 #include <OpenImageIO/imagebufalgo.h>
 #include <OpenImageIO/imageio.h>
@@ -57,6 +58,17 @@ inline void write_pixels(const std::string& path, const char* format, const OIIO
       throw Error(path + ": cannot be written: " + out->geterror());
     }
   });
+}
+/// The same as the bytes of such a file; "png" and "jpeg" can.
+inline std::string encoded(const char* format, const OIIO::ImageSpec& spec, const float* values) {
+  const auto out = OIIO::ImageOutput::create(format);
+  OIIO::Filesystem::IOVecOutput bytes;
+  if (!out || !out->set_ioproxy(&bytes) || !out->open("", spec) ||
+      !out->write_image(OIIO::TypeDesc::FLOAT, values) || !out->close()) {
+    throw Error(std::string("OpenImageIO cannot write ") + format + " into memory" +
+                (out ? ": " + out->geterror() : std::string()));
+  }
+  return std::string(bytes.buffer().begin(), bytes.buffer().end());
 }
 }  // namespace detail
 

@@ -1,9 +1,9 @@
-// burnish/io/report.h -- pictures about pictures: a sheet with captions, a curve, a page that holds them all
+// burnish/io/report.h -- pictures about pictures: a sheet with captions, a curve
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <OpenImageIO/imagebuf.h>
 #include <OpenImageIO/imagebufalgo.h>
-#include <burnish/io/photo.h>
+#include <burnish/io/page.h>
 
 namespace burnish {
 
@@ -95,60 +95,5 @@ inline Image curve(const std::vector<double>& values, const std::string& title) 
                                       place(values[i]) + thick, line);
   return detail::image_of(b);
 }
-
-/// The file's bytes in base 64 (RFC 4648), for a data: URL.
-inline std::string base64_of(const std::string& path) {
-  constexpr char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  const std::string bytes = read_text(path);
-  std::string out;
-  for (std::size_t i = 0; i < bytes.size(); i += 3) {
-    unsigned group = 0;
-    for (std::size_t k = 0; k < 3; ++k)
-      group = group << 8 | (i + k < bytes.size() ? static_cast<unsigned char>(bytes[i + k]) : 0u);
-    for (int k = 0; k < 4; ++k) out += i + std::size_t(k) > bytes.size() ? '=' : digits[group >> (18 - 6 * k) & 63];
-  }
-  return out;
-}
-
-/// Text as HTML shows it.
-inline std::string escaped(const std::string& text) {
-  std::string out;
-  for (const char c : text) out += c == '<' ? "&lt;" : c == '&' ? "&amp;" : c == '>' ? "&gt;" : std::string(1, c);
-  return out;
-}
-
-/// A self-contained HTML page, put together from top to bottom.
-class Page {
-public:
-  explicit Page(const std::string& title)
-      : html(
-            "<!doctype html>\n<html lang=\"en\"><meta charset=\"utf-8\">\n<title>" + escaped(title) +
-            "</title>\n<style>body{font:16px/1.5 system-ui,sans-serif;max-width:1180px;margin:2em auto;padding:0 1em;"
-            "background:#16181b;color:#ddd}img{max-width:100%;border-radius:4px}table{border-collapse:collapse}td,th{"
-            "padding:.15em 1em .15em 0;text-align:left;font-variant-numeric:tabular-nums}th{color:#999;font-weight:500}"
-            "figure{margin:1.5em 0}figcaption{color:#999}</style>\n<h1>" +
-            escaped(title) + "</h1>\n") {}
-  void text(const std::string& words) { html += "<p>" + escaped(words) + "</p>\n"; }
-  void heading(const std::string& words) { html += "<h2>" + escaped(words) + "</h2>\n"; }
-  /// A PNG, embedded.
-  void picture(const std::string& path, const std::string& caption) {
-    html += "<figure><img alt=\"" + escaped(caption) + "\" src=\"data:image/png;base64," + base64_of(path) +
-            "\"><figcaption>" + escaped(caption) + "</figcaption></figure>\n";
-  }
-  /// The first row is the head.
-  void table(const std::vector<std::vector<std::string>>& rows) {
-    html += "<table>\n";
-    for (std::size_t r = 0; r < rows.size(); ++r) {
-      html += "<tr>";
-      for (const auto& cell : rows[r]) html += (r ? "<td>" : "<th>") + escaped(cell) + (r ? "</td>" : "</th>");
-      html += "</tr>\n";
-    }
-    html += "</table>\n";
-  }
-  void write(const std::string& path) const { write_text(path, html + "</html>\n"); }
-
-private:
-  std::string html;
-};
 
 }  // namespace burnish

@@ -114,8 +114,15 @@ inline NamedTensors read_safetensors(const std::string& path) {
   return out;
 }
 
-/// All tensors as F32, in the order of their names. Error also for a shape that does not fit its numbers.
-inline void write_safetensors(const std::string& path, const NamedTensors& named) {
+/// All tensors, in the order of their names, as F32; those named in `narrow` as U8 (whole numbers 0 to 255) or F16
+/// (rounded). Error also for a shape that does not fit its numbers.
+inline void write_safetensors(const std::string& path, const NamedTensors& named,
+                              const std::map<std::string, detail::NumberType>& narrow = {}) {
+  using detail::NumberType;
+  const auto type_of = [&](const std::string& name) {
+    const auto at = narrow.find(name);
+    return at == narrow.end() ? NumberType::f32 : at->second;
+  };
   nlohmann::ordered_json j = nlohmann::ordered_json::object();
   if (!named.texts.empty()) j["__metadata__"] = named.texts;
   std::size_t end = 0;
@@ -125,8 +132,10 @@ inline void write_safetensors(const std::string& path, const NamedTensors& named
       throw Error(path + ": tensor " + name + ": " + std::to_string(t.size()) + " numbers for the shape " +
                   detail::shape_text(t.shape));
     const std::size_t begin = end;
-    end += t.size() * sizeof(float);
-    j[name] = {{"dtype", "F32"}, {"shape", t.shape}, {"data_offsets", {begin, end}}};
+    const NumberType type = type_of(name);
+    end += t.size() * detail::bytes_of(type);
+    const char* const kind = type == NumberType::u8 ? "U8" : type == NumberType::f16 ? "F16" : "F32";
+    j[name] = {{"dtype", kind}, {"shape", t.shape}, {"data_offsets", {begin, end}}};
   }
   std::string header;
   try {
@@ -139,8 +148,20 @@ inline void write_safetensors(const std::string& path, const NamedTensors& named
   write_beside(path, [&](const std::string& partial) {
     std::ofstream file(partial, std::ios::binary);
     file.write(reinterpret_cast<const char*>(&length), 8) << header;
-    for (const auto& [name, t] : named.tensors)
-      file.write(reinterpret_cast<const char*>(t.values.data()), std::streamsize(t.size() * sizeof(float)));
+    const auto write = [&]<class X>(const std::vector<X>& numbers) {
+      file.write(reinterpret_cast<const char*>(numbers.data()), std::streamsize(numbers.size() * sizeof(X)));
+    };
+    for (const auto& [name, t] : named.tensors) {
+      if (const NumberType type = type_of(name); type == NumberType::u8) {
+        write(std::vector<std::uint8_t>(t.values.begin(), t.values.end()));
+      } else if (type == NumberType::f16) {
+        std::vector<std::uint16_t> halves(t.size());
+        for (std::size_t i = 0; i < t.size(); ++i) halves[i] = detail::to_half(t.values[i]);
+        write(halves);
+      } else {
+        write(t.values);
+      }
+    }
     if (!file.flush()) throw Error(path + ": cannot be written: " + std::strerror(errno));
   });
 }

@@ -1,57 +1,26 @@
 // burnish/scene/raycast.h -- rays against a mesh: the G-buffer of a camera, and which directions are blocked
 // SPDX-License-Identifier: Apache-2.0
 //
-// The only file that names Embree (3 or 4). Rays go in packets of 16, on all cores; the result does not depend on how
-// many there are. Both sides of a triangle are hit.
+// By Embree. Rays go in packets of 16, on all cores; the result does not depend on how many there are. Both sides of a
+// triangle are hit.
 #pragma once
-#if __has_include(<embree4/rtcore.h>)
-#include <embree4/rtcore.h>
-#else
-#include <embree3/rtcore.h>
-#endif
 #include <cstring>
 #include <memory>
 #include <span>
 #include <string>
 #include <burnish/ad/parallel.h>
+#include <burnish/scene/embree.h>
 #include <burnish/scene/error.h>
 #include <burnish/scene/gbuffer.h>
 
 namespace burnish {
-namespace detail {
-/// One call for both Embrees; coherent: the 16 rays go nearly the same way.
-struct Query {
-#if RTC_VERSION_MAJOR >= 4
-  static void intersect(RTCScene scene, const int* valid, RTCRayHit16& r, bool coherent) {
-    RTCIntersectArguments a;
-    rtcInitIntersectArguments(&a);
-    a.flags = coherent ? RTC_RAY_QUERY_FLAG_COHERENT : RTC_RAY_QUERY_FLAG_INCOHERENT;
-    rtcIntersect16(valid, scene, &r, &a);
-  }
-  static void occluded(RTCScene scene, const int* valid, RTCRay16& r, bool coherent) {
-    RTCOccludedArguments a;
-    rtcInitOccludedArguments(&a);
-    a.flags = coherent ? RTC_RAY_QUERY_FLAG_COHERENT : RTC_RAY_QUERY_FLAG_INCOHERENT;
-    rtcOccluded16(valid, scene, &r, &a);
-  }
-#else
-  static RTCIntersectContext context(bool coherent) {
-    RTCIntersectContext c;
-    rtcInitIntersectContext(&c);
-    c.flags = coherent ? RTC_INTERSECT_CONTEXT_FLAG_COHERENT : RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
-    return c;
-  }
-  static void intersect(RTCScene scene, const int* valid, RTCRayHit16& r, bool coherent) {
-    RTCIntersectContext c = context(coherent);
-    rtcIntersect16(valid, scene, &c, &r);
-  }
-  static void occluded(RTCScene scene, const int* valid, RTCRay16& r, bool coherent) {
-    RTCIntersectContext c = context(coherent);
-    rtcOccluded16(valid, scene, &c, &r);
-  }
-#endif
+
+/// What one ray meets.
+struct SeenSurface {
+  Surfel<float> surfel;  ///< its index is 0
+  vec3<float> face;      ///< geometric normal, unit, on the ray's side
+  int part = -1;         ///< index into Mesh::parts; -1: nothing is met
 };
-}  // namespace detail
 
 class Raycaster {
 public:
@@ -213,6 +182,22 @@ public:
     for (std::size_t d = 0; d < directions.size(); ++d) out[d] = out[d] || dot(face, directions[d]) <= 0;
   }
 
+  /// What the ray meets first. May be called from many threads at once, as blocked() may.
+  SeenSurface first_hit(const Ray& ray) const {
+    RTCRayHit r;
+    r.ray = detail::one_ray(ray.origin, ray.direction, std::numeric_limits<float>::infinity());
+    r.hit.geomID = none;
+    detail::Query::intersect(scene_.get(), r);
+    if (r.hit.geomID == none) return {};
+    return surface({r.hit.primID, r.hit.u, r.hit.v, 1}, ray.origin);
+  }
+  /// Whether the ray meets the mesh before `reach` metres.
+  bool blocked(const Ray& ray, float reach = std::numeric_limits<float>::infinity()) const {
+    RTCRay r = detail::one_ray(ray.origin, ray.direction, reach);
+    detail::Query::occluded(scene_.get(), r);
+    return r.tfar < 0;
+  }
+
   /// A place off the surface along its unit geometric normal, where a ray may start and not meet the surface itself:
   /// the step is what a float can still tell apart, 1500 * 2^-24 of the coordinates (Mitsuba 3's ray epsilon).
   static vec3<float> lift(const vec3<float>& position, const vec3<float>& normal) {
@@ -226,11 +211,7 @@ private:
     unsigned triangle = none;
     float u = 0, v = 0, coverage = 0;
   };
-  struct Release {
-    void operator()(RTCDevice d) const { rtcReleaseDevice(d); }
-    void operator()(RTCScene s) const { rtcReleaseScene(s); }
-  };
-  template <class T> using Handle = std::unique_ptr<std::remove_pointer_t<T>, Release>;
+  template <class T> using Handle = std::unique_ptr<std::remove_pointer_t<T>, detail::ReleaseEmbree>;
 
   Mesh mesh_;
   Handle<RTCDevice> device_;
@@ -268,18 +249,13 @@ private:
     return {clip(x0, c.width) - 1, clip(y0, c.height) - 1, clip(x1, c.width) + 1, clip(y1, c.height) + 1};
   }
 
-  static void set(RTCRay16& r, int k, const vec3<float>& o, const vec3<float>& d, float far) {
-    r.org_x[k] = o.x, r.org_y[k] = o.y, r.org_z[k] = o.z;
-    r.dir_x[k] = d.x, r.dir_y[k] = d.y, r.dir_z[k] = d.z;
-    r.tnear[k] = 0, r.tfar[k] = far, r.time[k] = 0, r.mask[k] = ~0u, r.id[k] = 0, r.flags[k] = 0;
-  }
   /// Whether the rays ray(0) .. ray(n - 1) meet anything; n <= 16.
   template <class F> void shadow_packet(int n, bool coherent, float reach, std::uint8_t* out, F ray) const {
     RTCRay16 r;
     alignas(64) int valid[packet];
     for (int k = 0; k < packet; ++k) {
       const Ray a = ray(k < n ? k : 0);
-      set(r, k, a.origin, a.direction, reach);
+      detail::set_ray(r, k, a.origin, a.direction, reach);
       valid[k] = k < n ? -1 : 0;
     }
     detail::Query::occluded(scene_.get(), valid, r, coherent);
@@ -292,7 +268,7 @@ private:
     for (int k = 0; k < packet; ++k) {
       const int x = x0 + k % 4, y = y0 + k / 4;
       valid[k] = x < c.width && y < c.height ? -1 : 0;
-      set(r.ray, k, c.position, c.toward(float(x) + 0.5f, float(y) + 0.5f), std::numeric_limits<float>::infinity());
+      detail::set_ray(r.ray, k, c.position, c.toward(float(x) + 0.5f, float(y) + 0.5f), std::numeric_limits<float>::infinity());
       r.hit.geomID[k] = none;
     }
     detail::Query::intersect(scene_.get(), valid, r, true);
@@ -323,7 +299,7 @@ private:
     if (hit.triangle == none && nearest >= 0) {
       RTCRayHit16 r;
       alignas(64) int valid[packet] = {-1};
-      set(r.ray, 0, c.position, c.toward(float(x) + places[nearest].x, float(y) + places[nearest].y),
+      detail::set_ray(r.ray, 0, c.position, c.toward(float(x) + places[nearest].x, float(y) + places[nearest].y),
           std::numeric_limits<float>::infinity());
       r.hit.geomID[0] = none;
       detail::Query::intersect(scene_.get(), valid, r, true);
@@ -332,13 +308,13 @@ private:
     if (hit.triangle != none) hit.coverage = float(std::max(covered, 1)) / float(n);
   }
 
-  /// The surface at a hit: (1 - u - v) a + u b + v c.
-  void write(GBuffer& g, int i, const Hit& hit) const {
+  /// The surface at a hit, (1 - u - v) a + u b + v c, seen from `eye`.
+  SeenSurface surface(const Hit& hit, const vec3<float>& eye) const {
     const auto& [a, b, c] = mesh_.triangles[hit.triangle];
     const float u = hit.u, v = hit.v, w = 1 - u - v;
     const vec3<float>&p0 = mesh_.positions[a], &p1 = mesh_.positions[b], &p2 = mesh_.positions[c];
     const vec3<float> p = p0 * w + p1 * u + p2 * v, e1 = p1 - p0, e2 = p2 - p0;
-    const vec3<float> view = normalize(g.camera.position - p);
+    const vec3<float> view = normalize(eye - p);
     vec3<float> face = normalize(cross(e1, e2));
     vec3<float> n = mesh_.normals[a] * w + mesh_.normals[b] * u + mesh_.normals[c] * v;
     if (!(dot(n, n) > 1e-12f)) n = face;
@@ -356,17 +332,23 @@ private:
       t = std::abs(n.y) < 0.99f ? cross(vec3<float>(0, 1, 0), n) : cross(vec3<float>(0, 0, 1), n);  // no uvs: level
     }
     t = normalize(t);
+    const float s = t0.x * w + t1.x * u + t2.x * v, q = t0.y * w + t1.y * u + t2.y * v;
+    return {{p, n, t, view, vec2<float>(detail::finite(s) ? s : 0, detail::finite(q) ? q : 0), 0},
+            face,
+            mesh_.part[hit.triangle]};
+  }
+  void write(GBuffer& g, int i, const Hit& hit) const {
+    const SeenSurface seen = surface(hit, g.camera.position);
+    const Surfel<float>& s = seen.surfel;
     const auto put = [&](int at, const vec3<float>& x) {
       g.plane[at][i] = x.x, g.plane[at + 1][i] = x.y, g.plane[at + 2][i] = x.z;
     };
-    put(0, p), put(3, n), put(6, t), put(9, view);
-    const float s = t0.x * w + t1.x * u + t2.x * v, q = t0.y * w + t1.y * u + t2.y * v;
-    g.plane[12][i] = detail::finite(s) ? s : 0;
-    g.plane[13][i] = detail::finite(q) ? q : 0;
-    put(GBuffer::geometric, face);
-    g.plane[GBuffer::depth][i] = dot(p - g.camera.position, g.camera.forward);
+    put(0, s.position), put(3, s.normal), put(6, s.tangent), put(9, s.view);
+    g.plane[12][i] = s.uv.x, g.plane[13][i] = s.uv.y;
+    put(GBuffer::geometric, seen.face);
+    g.plane[GBuffer::depth][i] = dot(s.position - g.camera.position, g.camera.forward);
     g.plane[GBuffer::coverage][i] = hit.coverage;
-    g.part[i] = mesh_.part[hit.triangle];
+    g.part[i] = seen.part;
   }
 };
 

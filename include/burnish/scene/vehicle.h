@@ -19,6 +19,10 @@ struct VehicleOptions {
 };
 
 namespace detail {
+inline std::string lower(std::string s) {
+  for (char& c : s) c = char(std::tolower(static_cast<unsigned char>(c)));
+  return s;
+}
 /// "wheelFrontLeft", "Wheel F-L" -> "_wheel_front_left_", "_wheel_f_l_": name and material of a part, for finding
 /// words.
 inline std::string words_of(const Part& p) {

@@ -15,8 +15,8 @@ namespace detail {
 template <class T> constexpr T safe_length(const T& x, const T& y) { return sqrt(x * x + y * y + 1e-30f); }
 }  // namespace detail
 
-/// A lens turned about its axis: the distance from the middle of the picture is a polynomial in the angle theta from the
-/// axis, r = c1 theta + c2 theta^2 + ... + c9 theta^9, in units of fx and fy. With other numbers it is
+/// A lens that is the same all round its axis: the distance from the middle of the picture is a polynomial in the angle
+/// theta from the axis, r = c1 theta + c2 theta^2 + ... + c9 theta^9, in units of fx and fy. With other numbers it is
 /// Kannala and Brandt (2006), as OpenCV's fisheye has it: c = 1, 0, k1, 0, k2, 0, k3, 0, k4; fx, fy in pixels;
 /// the polynomial of WoodScape (Yogamani et al. 2019): c1 .. c4 in pixels, fx = 1, fy the aspect ratio;
 /// the equidistant lens: c1 = 1, fx = fy in pixels per radian; and Hugin's circular fisheye with its a, b, c.

@@ -44,14 +44,16 @@ template <class T> struct Pose {
     const vec3<T> forward(-ce * ca, -se, -ce * sa), level(sa, T(0.0f), -ca), below = cross(forward, level);
     return {level * cr - below * sr, below * cr + level * sr, forward};
   }
-  /// A point of the vehicle to pixel x, pixel y and depth (metres along the view axis).
-  constexpr vec3<T> project(const vec3<float>& point) const {
+  /// A point of the vehicle to pixel x, pixel y and depth (metres along the view axis). Its coordinates may be any
+  /// numbers of which a T is made.
+  template <class X> constexpr vec3<T> project(const vec3<X>& point) const {
     const Axes a = axes();
-    const vec3<T> p(vec3<T>(T(point.x - center.x), T(point.y - center.y), T(point.z - center.z)));
+    const vec3<T> p(T(point.x - center.x), T(point.y - center.y), T(point.z - center.z));
     const T z = dot(p, a.forward) + distance, f = focal * float(width);
     return {f * (dot(p, a.right) + right * distance) / z + 0.5f * float(width),
             f * (dot(p, a.down) + down * distance) / z + 0.5f * float(height), z};
   }
+  constexpr vec3<T> project(const vec3<float>& point) const { return project<float>(point); }
   Camera camera() const requires std::is_same_v<T, float> {
     const Axes a = axes();
     Camera c = Camera::pinhole(focal * float(width), focal * float(width), 0.5f * float(width), 0.5f * float(height),

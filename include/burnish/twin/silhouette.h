@@ -69,11 +69,18 @@ class Silhouette {
 public:
   Mask mask;  // height x width: the share of each pixel that the mesh covers
 
-  /// scene's mesh is the one whose edges these are.
-  Silhouette(const Raycaster& scene, const MeshEdges& mesh_edges, const Camera& camera)
+  /// scene's mesh is the one whose edges these are. The camera is a Camera, or what has its width, height, position,
+  /// ray and project.
+  template <class C> Silhouette(const Raycaster& scene, const MeshEdges& mesh_edges, const C& camera)
       : mask(camera.width, camera.height), mesh(&scene.mesh()) {
-    const GBuffer g = scene.trace(camera, 1);
-    for (const int p : g.pixel) mask.values[std::size_t(p)] = 1;
+    const std::size_t pixels = std::size_t(mask.width) * std::size_t(mask.height);
+    std::vector<vec3<float>> origins(pixels, camera.position), directions(pixels);
+    for (std::size_t p = 0; p < pixels; ++p)
+      directions[p] = camera.ray(float(p % std::size_t(mask.width)) + 0.5f, float(p / std::size_t(mask.width)) + 0.5f)
+                          .direction;
+    std::vector<std::uint8_t> hit(pixels);
+    scene.occluded(origins, directions, hit);
+    for (std::size_t p = 0; p < pixels; ++p) mask.values[p] = hit[p];
     find(scene, mesh_edges, camera);
     for (const Crossing& c : crossings) {
       // The row's inside ends at `at`, on the side that `sign` points to; the pixel's centre may be on either.
@@ -134,7 +141,7 @@ private:
   const Mesh* mesh;
   std::vector<Crossing> crossings;
 
-  void find(const Raycaster& scene, const MeshEdges& of, const Camera& camera) {
+  template <class C> void find(const Raycaster& scene, const MeshEdges& of, const C& camera) {
     std::vector<vec3<float>> seen(mesh->positions.size());
     parallel_for(int(seen.size() + 4095) / 4096, [&](int block) {
       for (std::size_t v = std::size_t(block) * 4096; v < std::min(seen.size(), std::size_t(block + 1) * 4096); ++v)
@@ -179,7 +186,7 @@ private:
   }
   /// Of the pieces those with the mesh on one side and nothing on the other; of several that lie together the outermost
   /// one.
-  void keep_outline(const Raycaster& scene, const Camera& camera, std::vector<Crossing>& found) {
+  template <class C> void keep_outline(const Raycaster& scene, const C& camera, std::vector<Crossing>& found) {
     constexpr float beside = 0.01f;  // pixels
     std::vector<vec3<float>> origins(2 * found.size(), camera.position), directions(origins.size());
     for (std::size_t i = 0; i < found.size(); ++i)
