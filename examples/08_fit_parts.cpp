@@ -116,8 +116,8 @@ int run(Options o) {
   for (const std::string& line : in.report.lines) std::printf("  %s\n", line.c_str());
 
   const Raycaster scene(std::move(in.mesh));
-  parts::RolesOf roles_of = [&](const GBuffer& g) { return parts::roles_of(g, scene.mesh(), in.roles); };
-  if (!model_labels.empty()) roles_of = roles_by_labels(std::move(model_labels), in.camera);
+  const parts::RolesOf roles_of = model_labels.empty() ? parts::roles_by_parts(scene, in.roles)
+                                                       : roles_by_labels(std::move(model_labels), in.camera);
   const fitting::Watch watch = fitting::on_terminal();
   std::optional<fitting::Lit> light;
   if (known) light = draw_known(in, *known, o.known_turn, scene, roles_of, o, watch), o.yaw = light->yaw;

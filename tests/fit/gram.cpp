@@ -193,3 +193,19 @@ TEST_CASE("GramLoss: what lies outside either mask changes no bit of loss or slo
   CHECK(odd(image, ours, 1, d) == value);
   CHECK(d.values == d_clean.values);
 }
+TEST_CASE("eroded: what is whole, and all around it, is left, as 1", "[fit][value]") {
+  Mask mask(12, 9);
+  for (int y = 1; y < 9; ++y)
+    for (int x = 2; x < 11; ++x) mask.at(x, y) = 1;
+  mask.at(10, 4) = 0.5f;
+  for (const int r : {0, 1, 2}) {
+    const Mask m = eroded(mask, r);
+    for (int y = 0; y < 9; ++y)
+      for (int x = 0; x < 12; ++x) {
+        const bool box = x >= 2 + r && x < 11 - r && y >= 1 + r && y < 9 - r;  // beyond the picture is nothing
+        const bool hole = std::abs(x - 10) <= r && std::abs(y - 4) <= r;
+        CAPTURE(r, x, y);
+        CHECK(m.at(x, y) == (box && !hole ? 1 : 0));
+      }
+  }
+}

@@ -176,6 +176,24 @@ template <class T> double gram_loss(const std::vector<FeatureLayer<T>>& layers, 
   return loss;
 }
 
+/// 1 where the mask is whole (above 0.99) in all of the square that reaches `radius` pixels to every side, else 0. Pixels
+/// at a part's border are mixed with what is behind, in a photo otherwise than in a picture of one sample a pixel.
+inline Mask eroded(const Mask& mask, int radius) {
+  Mask across(mask.width, mask.height), out = across;
+  const auto all = [&](const Mask& from, int x, int y, int dx, int dy) {
+    for (int k = -radius; k <= radius; ++k) {
+      const int i = x + k * dx, j = y + k * dy;
+      if (i < 0 || j < 0 || i >= mask.width || j >= mask.height || !(from.at(i, j) > 0.99f)) return 0.0f;
+    }
+    return 1.0f;
+  };
+  for (int y = 0; y < mask.height; ++y)
+    for (int x = 0; x < mask.width; ++x) across.at(x, y) = all(mask, x, y, 1, 0);
+  for (int y = 0; y < mask.height; ++y)
+    for (int x = 0; x < mask.width; ++x) out.at(x, y) = all(across, x, y, 0, 1);
+  return out;
+}
+
 /// A part of a photo, kept as Gram matrices; then pictures of the part against it. F: Features.
 template <class F, class T = float> requires Features<F, T> class GramLoss {
 public:
