@@ -1,12 +1,12 @@
-// bench/features.cpp -- what features of an image cost: the filter bank, and convolutions against a plain matrix product
+// bench/features.cpp -- what features of an image cost: the filter bank; convolutions against a plain matrix product
 // SPDX-License-Identifier: Apache-2.0
 //
 //   bench_features [rounds]
 //
 // Random pictures and weights. Every row is the best of its rounds, the rows interleaved. One thread is timed in
-// processor time, which strangers do not lengthen, all of them by the clock. The network is VGG16 up to relu4_1; its rate
-// counts multiplications and additions of its convolutions alone. The matrix product is Eigen's of 256 x 2304 by 2304 x
-// 1024, as many rows as a layer in the middle has channels, the product alone; with several threads, one for each.
+// processor time, which strangers do not lengthen, all of them by the clock. The network is VGG16 up to relu4_1; its
+// rate counts multiplications and additions of its convolutions alone. The matrix product is Eigen's of 256 x 2304 by
+// 2304 x 1024, as many rows as a layer in the middle has channels; with several threads, one for each.
 #include <burnish/fit/gram.h>
 #include <burnish/fit/vgg.h>
 #include <chrono>
@@ -86,8 +86,9 @@ void measure(int rounds, const std::string& title) {
   rows.push_back({"filter bank backward", [&] { bank.backward(trace, mask, slopes, d_map); }});
   rows.push_back({"Gram loss and slope of its layers", [&] { gram_loss(trace.layers, theirs, 1, slopes); }});
   rows.push_back({"GramLoss, all of it", [&] { loss(image, mask, 1, d); }});
-  rows.push_back({"VGG16 forward", [&] { vgg.forward(input, small_mask, network); }, 2 * vgg.work(small, small)});
-  rows.push_back({"VGG16 backward", [&] { vgg.backward(network, small_mask, by, d_input); }, 2 * vgg.work(small, small)});
+  const double work = 2 * vgg.work(small, small);
+  rows.push_back({"VGG16 forward", [&] { vgg.forward(input, small_mask, network); }, work});
+  rows.push_back({"VGG16 backward", [&] { vgg.backward(network, small_mask, by, d_input); }, work});
   rows.push_back({"Eigen's matrix product",
                   [&] { parallel_for(threads(), [&](int k) { c[std::size_t(k)].noalias() = a * b; }); },
                   2.0 * 256 * 2304 * 1024 * threads()});

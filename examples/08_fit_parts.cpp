@@ -1,8 +1,8 @@
 // examples/08_fit_parts.cpp -- the parts of a posed vehicle against a photo's, by colour, statistics and pattern
 // SPDX-License-Identifier: Apache-2.0
 //
-// As 04_fit_material, with a third loss: the pattern of every part, as Gram matrices of features (fit/gram.h), which need
-// not lie on the photo's pixels. The features are a bank of filters, or a network's of VGG's kind from a file.
+// As 04_fit_material, with a third loss: the pattern of every part, as Gram matrices of features (fit/gram.h), which
+// need not lie on the photo's pixels. The features are a bank of filters, or a network's of VGG's kind from a file.
 #include <burnish/fit/vgg.h>
 #include <burnish/io/npy.h>
 #include <burnish/io/safetensors.h>
@@ -158,8 +158,10 @@ int main(int argc, char** argv) {
       "blender-data. For your own:\n\n"
       "  08_fit_parts --photo street.jpg --mask car.png --parts car.parts.png --camera street.camera.json \\\n"
       "               --vehicle car.glb --environment sky.exr --features vgg16.safetensors --output parts\n\n"
-      "The loss of a part: 1 times the mean difference of the pixels where it lies on the photo's, plus 0.1 times that\n"
-      "of the parts' means and variances, plus 1 times that of the Gram matrices of their features."};
+      "The loss of a part: 1 times the mean difference of the pixels where it lies on the photo's, plus 0.1 times\n"
+      "that of the parts' means and variances, plus 1 times that of the Gram matrices of their features.\n\n"
+      "What the pattern is good for, tried on a paint that is known, seen by a camera that is 2 degrees off:\n\n"
+      "  08_fit_parts --known spotted.json --known-turn 2 --compare"};
   street::add_options(app, o);
   app.add_option("--features", o.features,
                  "bank: filters at four octaves; or a network's weights, .safetensors or .npz, by torchvision's names")
@@ -173,11 +175,11 @@ int main(int argc, char** argv) {
   app.add_option("--aligned", o.pixels_weight, "weight of the pixels where part lies on part")
       ->check(weight)
       ->capture_default_str();
-  app.add_option("--gram-every", o.every, "steps between two looks at the pattern; 0: each for the bank, 10 for a network")
+  app.add_option("--gram-every", o.every, "steps between two looks at the pattern; 0: 1 for the bank, 10 for a network")
       ->check(CLI::Range(0, 1000))
       ->capture_default_str();
   app.add_option("--model-parts", o.model_parts,
-                 "labels as --parts has them, of the model as the camera sees it; if not given, by --role and its names");
+                 "labels as --parts has them, of the model as the camera sees it; if not given, found from the model");
   app.add_option("--known", o.known,
                  "a test: the photo's vehicle is drawn, with the paint of this file, and its numbers are to be found");
   app.add_option("--known-turn", o.known_turn, "by how many degrees its camera is turned about the vehicle")

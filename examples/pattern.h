@@ -15,8 +15,8 @@ inline Mask inner(const Mask& mask) {
   return mask;
 }
 
-/// weight times the GramLoss of every part, less its border. every: it is evaluated at each so many steps, and what it gave stands until
-/// then; for features that cost much.
+/// weight times the GramLoss of every part, less its border. every: it is evaluated at each so many steps, and what it
+/// gave stands until then; for features that cost much.
 template <class F> MoreLoss pattern(const F& features, double weight, int every = 1) {
   struct Part {
     GramLoss<F> loss;

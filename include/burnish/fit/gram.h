@@ -3,8 +3,8 @@
 //
 // Gatys, Ecker and Bethge 2016, layer by layer and under masks: G = sum of w f f^T / sum of w over the positions of a
 // layer, f the features there and w their weights (fit/features.h). So neither the size of a part's mask nor where it
-// lies matters, and photo and rendering each have their own. Channels are measured in the photo's units (Gram::units), so
-// that layers and networks of any scale count alike. Sums are the same for any number of threads.
+// lies matters, and photo and rendering each have their own. Channels are measured in the photo's units (Gram::units),
+// so that layers and networks of any scale count alike. Sums are the same for any number of threads.
 #pragma once
 #include <cmath>
 #include <utility>
@@ -35,8 +35,8 @@ namespace detail::grams {
 /// Places that are summed in T before they are added in double; their maps stay near the processor.
 inline constexpr std::size_t strip = 128;
 
-/// The features of a strip (0 where their weight is) and the same times their weights, a multiple of 4 channels; the room
-/// is the thread's.
+/// The features of a strip (0 where their weight is) and the same times their weights, a multiple of 4 channels; the
+/// room is the thread's.
 template <class T> struct Strip {
   std::size_t channels, size;  // size: places, a multiple of 16
   const T *plain, *weighted;   // channel by channel, `strip` apart
@@ -176,8 +176,8 @@ template <class T> double gram_loss(const std::vector<FeatureLayer<T>>& layers, 
   return loss;
 }
 
-/// 1 where the mask is whole (above 0.99) in all of the square that reaches `radius` pixels to every side, else 0. Pixels
-/// at a part's border are mixed with what is behind, in a photo otherwise than in a picture of one sample a pixel.
+/// 1 where the mask is whole (above 0.99) in all of the square that reaches `radius` pixels to every side, else 0.
+/// Pixels at a part's border are mixed with what is behind, in a photo otherwise than in a picture of one sample a pixel.
 inline Mask eroded(const Mask& mask, int radius) {
   Mask across(mask.width, mask.height), out = across;
   const auto all = [&](const Mask& from, int x, int y, int dx, int dy) {
