@@ -45,7 +45,7 @@ network() { # NAME FILE: 4 x 3 x 3 x 3 weights of 1/16 and 4 biases of 0
 }
 network features.0 net.safetensors
 network conv net_by_name.safetensors
-log=$(fit --steps 30 --features net.safetensors --gram-every 3 --output network 2>&1) || fail "a run with a network: $log"
+log=$(fit --steps 60 --features net.safetensors --gram-every 3 --output network 2>&1) || fail "a run with a network: $log"
 blue network
 cmp -s network/paint.json bank/paint.json && fail "the network changes nothing"
 
