@@ -34,12 +34,12 @@ log=$(fit --steps 5 --model-parts all_paint.pgm --output labels 2>&1) || fail "a
 grep -q "tire *paint" <<<"$log" && ! grep -q "tire *rubber" <<<"$log" || fail "--model-parts is not heeded: $log"
 
 # ---- a network: two convolutions, from a .safetensors file; and one by a wrong name
-network() { # NAME FILE: 4 x 3 x 3 x 3 weights of 1/16 and 4 biases of 0
+network() { # NAME FILE: 4 x 3 x 3 x 3 weights of 1/16 and 4 biases of 4
   local header weights="" i
   header=$(printf '{"%s.weight":{"dtype":"F32","shape":[4,3,3,3],"data_offsets":[0,432]},"%s.bias":{"dtype":"F32","shape":[4],"data_offsets":[432,448]}}' "$1" "$1")
   while [ $((${#header} % 8)) != 0 ]; do header+=" "; done
   for ((i = 0; i < 108; ++i)); do weights+='\x00\x00\x80\x3d'; done
-  for ((i = 0; i < 16; ++i)); do weights+='\x00'; done
+  for ((i = 0; i < 4; ++i)); do weights+='\x00\x00\x80\x40'; done
   # shellcheck disable=SC2059
   { printf "\\x$(printf %02x $((${#header} % 256)))\\x$(printf %02x $((${#header} / 256)))\\x00\\x00\\x00\\x00\\x00\\x00"; printf '%s' "$header"; printf "$weights"; } >"$2"
 }

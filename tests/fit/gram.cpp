@@ -101,6 +101,14 @@ TEST_CASE("gram_loss: the mean of the entries' differences in the photo's units"
   for (const auto& m : d)
     for (const double x : m.values) CHECK(x == 0);
 }
+TEST_CASE("gram_loss: a layer that is 0 in the photo's part has no units and does not count", "[fit][limit]") {
+  std::vector<FeatureLayer<double>> ours{layer(3, 9, 7, 2), layer(2, 5, 4, 3)}, theirs{layer(3, 8, 8, 4), ours[1]};
+  std::vector<FeatureMap<double>> d;
+  const double alone = gram_loss(std::vector{ours[0]}, grams(std::vector{theirs[0]}), 1, d);
+  std::fill(theirs[1].maps.values.begin(), theirs[1].maps.values.end(), 0.0);
+  CHECK(gram_loss(ours, grams(theirs), 1, d) == alone);
+  CHECK(d[1].values.empty());
+}
 TEST_CASE("gram_loss: its slopes by the features are those of differences", "[fit][gradient]") {
   std::vector<FeatureLayer<double>> ours{layer(5, 13, 11, 6), layer(3, 6, 5, 7)};
   const std::vector<Gram> photo = grams(std::vector<FeatureLayer<double>>{layer(5, 8, 8, 8), layer(3, 3, 9, 9)});

@@ -122,7 +122,7 @@ template <class T> std::vector<Gram> grams(const std::vector<FeatureLayer<T>>& l
 }
 
 /// The mean over layers of the mean over entries of |G - G'|, each entry in the photo's units; layers that are empty on
-/// either side do not count, and without any it is 0. weight times the derivative goes into d_layers, as Features want
+/// either side, or 0 in all of the photo's part, do not count, and without any it is 0. weight times the derivative goes into d_layers, as Features want
 /// them: 0 where the weight is. Where two entries agree, or are no numbers, the slope is given as 0.
 template <class T> double gram_loss(const std::vector<FeatureLayer<T>>& layers, const std::vector<Gram>& photo,
                                     double weight, std::vector<FeatureMap<T>>& d_layers) {
@@ -130,7 +130,10 @@ template <class T> double gram_loss(const std::vector<FeatureLayer<T>>& layers, 
   using P = Packet<T, 8>;
   const std::vector<Gram> own = grams(layers);
   d_layers.resize(layers.size());
-  const auto counts = [&](std::size_t k) { return k < photo.size() && own[k].area > 0 && photo[k].area > 0; };
+  const auto counts = [&](std::size_t k) {
+    return k < photo.size() && own[k].area > 0 && std::any_of(photo[k].entries.begin(), photo[k].entries.end(),
+                                                              [](double x) { return x != 0; });
+  };
   int used = 0;
   for (std::size_t k = 0; k < layers.size(); ++k) used += counts(k);
   double loss = 0;
