@@ -32,7 +32,7 @@ int run(Options o) {
   std::printf("read           %s (%.2f s)\n", o.photo.c_str(), whole.seconds());
 
   const Raycaster scene(std::move(in.mesh));
-  const parts::RolesOf roles_of = [&](const GBuffer& g) { return parts::roles_of(g, scene.mesh(), in.roles); };
+  const parts::RolesOf roles_of = parts::roles_by_parts(scene, in.roles);
   const fitting::Watch watch = fitting::on_terminal();
   const fitting::Seen seen = fitting::see(scene, in.photo, in.camera, roles_of, o, watch, o.camera);
   report::print_materials(seen);

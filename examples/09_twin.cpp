@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // The way of the data: the vehicle is cut out of the photo; the library's vehicles that look most like it are posed
-// against it, and the best is kept; its parts are told apart, in the model and in the photo; their materials are fitted;
-// model, materials, pictures and a page are written.
+// against it, and the best is kept; its parts are told apart, in the model and in the photo; their materials are
+// fitted; model, materials, pictures and a page are written.
 #include <CLI/CLI.hpp>
 #include <burnish/io/camera.h>
 #include <burnish/io/parts.h>
@@ -35,9 +35,8 @@ Mask vehicle_mask(const Options& o, const Image& photo, std::string& how) {
     return read_mask(o.mask, photo.width, photo.height);
   }
   Progress bar("segment");
-  const Segmented s = o.box.size() == 4
-                          ? segment(photo, PixelBox{o.box[0], o.box[1], o.box[2], o.box[3]})
-                          : segment(photo, vec2<float>(o.point[0], o.point[1]));
+  const Segmented s = o.box.size() == 4 ? segment(photo, PixelBox{o.box[0], o.box[1], o.box[2], o.box[3]})
+                                        : segment(photo, vec2<float>(o.point[0], o.point[1]));
   char text[120];
   std::snprintf(text, sizeof text, "%.0f x %.0f pixels, %.0f %% certain", double(s.box.width()), double(s.box.height()),
                 100 * double(s.certainty));
@@ -72,7 +71,7 @@ int run(Options o) {
   twin::Leavings leave(o.output, o.photo);
   std::string how;
   const Mask mask = vehicle_mask(o, photo, how);
-  write_png(o.output + "/mask.png", twin::as_image(mask));
+  write_png(o.output + "/mask.png", mask);
   lap("segment");
 
   std::vector<twin::Candidate> found;
@@ -124,21 +123,26 @@ int run(Options o) {
   leave.fitted(fitted, o.fit);
   lap("fit");
 
-  leave.model(scene.mesh(), parts, fitted.materials.best());
+  leave.model(scene, parts, fitted.materials.best());
   if (!interrupted && o.frames > 0) leave.turntable(scene, parts, fitted, o.frames);
   lap("draw");
+  nlohmann::ordered_json twin;
+  twin["vehicle"] = best.path, twin["photo"] = o.photo, twin["environment"] = o.environment;
+  twin["yaw"] = fitted.lit.yaw, twin["iou"] = pose.iou, twin["belief"] = pose.belief;
+  write_text(o.output + "/twin.json", twin.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
   leave.page(times, whole.seconds());
-  std::printf("\nDone after %.1f s. Open %s/index.html; %s/twin.glb is the model, in any glTF viewer.\n", whole.seconds(),
-              o.output.c_str(), o.output.c_str());
+  std::printf("\nDone after %.1f s. Open %s/index.html; %s/twin.glb is the model, in any glTF viewer.\n",
+              whole.seconds(), o.output.c_str(), o.output.c_str());
   return 0;
 }
 }  // namespace
 
 int main(int argc, char** argv) {
   Options o;
-  CLI::App app{"Makes a digital twin of a vehicle in one street photo, out of a library of CAD vehicles.\n\n"
-               "  09_twin --photo street.jpg --point 580,120 --library cars/ --environment city.exr --output twin\n\n"
-               "Without arguments: a pickup in a street, among Sweet Home 3D's vehicles."};
+  CLI::App app{
+      "Makes a digital twin of a vehicle in one street photo, out of a library of CAD vehicles.\n\n"
+      "  09_twin --photo street.jpg --point 580,120 --library cars/ --environment city.exr --output twin\n\n"
+      "Without arguments: a pickup in a street, among Sweet Home 3D's vehicles."};
   app.option_defaults()->take_last();
   app.add_option("--photo", o.photo, "any format OpenImageIO reads")->capture_default_str();
   app.add_option("--point", o.point, "x,y of a pixel inside the vehicle")->delimiter(',')->expected(2);

@@ -155,7 +155,7 @@ struct Inputs {
   Image panorama;
   Mesh mesh;
   MeshReport report;
-  std::vector<parts::GivenRole> roles;
+  std::vector<GivenKind> roles;
 };
 /// Error for whatever is wrong with any of it.
 inline Inputs read(const Options& o) {

@@ -43,8 +43,9 @@ bool turn(const Raycaster& scene, const EnvironmentLight& sky, const LightStreng
     for (int a = 0; a < 64; ++a)
       for (int k = 0; k < 8; ++k) {
         pose.azimuth = float(a) * pi / 32;
-        const vec3<float> p = pose.project({k & 1 ? box.low.x : box.high.x, k & 2 ? box.low.y : box.high.y,
-                                            k & 4 ? box.low.z : box.high.z});
+        const vec3<float> corner(k & 1 ? box.low.x : box.high.x, k & 2 ? box.low.y : box.high.y,
+                                 k & 4 ? box.low.z : box.high.z);
+        const vec3<float> p = pose.project(corner);
         most = std::max({most, p.z > 0.1f ? std::abs(2 * p.x / float(o.width) - 1) : 9,
                          std::abs(2 * p.y / float(o.height) - 1)});
       }

@@ -18,10 +18,10 @@ using namespace burnish;
 /// A vehicle that may be the photo's, and its best pose.
 struct Candidate {
   std::string path, name;
-  double cosine = 0;                   // of its best view with the photo; 0 where it was given
-  std::shared_ptr<Raycaster> scene;    // none where the file could not be read
+  double cosine = 0;                 // of its best view with the photo; 0 where it was given
+  std::shared_ptr<Raycaster> scene;  // none where the file could not be read
   MeshReport report;
-  std::vector<PoseCandidate> poses;    // best first; of different headings
+  std::vector<PoseCandidate> poses;  // best first; of different headings
   double score() const { return poses.empty() ? -1 : poses.front().score; }
 };
 
@@ -48,7 +48,8 @@ inline std::vector<Candidate> retrieve(const Library& library, const std::string
   const LibrarySpace& s = space->second;
   Progress bar("retrieve");
   std::vector<Candidate> out;
-  for (const NearestModel& f : nearest_models(s.values, s.columns, first_rows(library, s), describe(mask, photo), count)) {
+  for (const NearestModel& f :
+       nearest_models(s.values, s.columns, first_rows(library, s), describe(mask, photo), count)) {
     const LibraryEntry& e = library.entries[std::size_t(f.model)];
     out.push_back({e.path, e.name, double(f.cosine), nullptr, {}, {}});
   }
@@ -74,7 +75,8 @@ inline std::vector<Candidate> pose_all(std::vector<Candidate> all, const Image& 
     }
   }
   if (out.empty()) throw Error("no vehicle of those found could be posed");
-  std::stable_sort(out.begin(), out.end(), [](const Candidate& a, const Candidate& b) { return a.score() > b.score(); });
+  std::stable_sort(out.begin(), out.end(),
+                   [](const Candidate& a, const Candidate& b) { return a.score() > b.score(); });
   char note[200];
   const PoseCandidate& p = out.front().poses.front();
   std::snprintf(note, sizeof note, "%zu vehicles tried; %s, from %.0f degrees, IoU %.3f", out.size(),
@@ -92,13 +94,6 @@ inline Image overlay(const Image& photo, const Mask& mask, const Mask& model) {
       const float strength = 0.45f * std::max(a, b);
       out.set(x, y, photo.at(x, y) * (1 - strength) + vec3<float>(b * (1 - a), a * b, a * (1 - b)) * strength);
     }
-  return out;
-}
-/// As write_png stores it: 0 black, 1 white.
-inline Image as_image(const Mask& mask) {
-  Image out(mask.width, mask.height);
-  for (int y = 0; y < mask.height; ++y)
-    for (int x = 0; x < mask.width; ++x) out.set(x, y, vec3<float>(detail::from_srgb(mask.at(x, y))));
   return out;
 }
 /// The window of the picture that the mask is in, with its surroundings, at most `wide` pixels wide.
@@ -121,7 +116,8 @@ inline Image contact_sheet(const std::vector<Candidate>& all, const Image& photo
     const Image wide = around(photo, mask, 0.15f, 600);
     Image out(width, height, {1, 1, 1});
     const float scale = std::min(float(width) / float(wide.width), float(height) / float(wide.height));
-    const Image small = resized(wide, std::max(1, int(float(wide.width) * scale)), std::max(1, int(float(wide.height) * scale)));
+    const Image small =
+        resized(wide, std::max(1, int(float(wide.width) * scale)), std::max(1, int(float(wide.height) * scale)));
     for (int y = 0; y < small.height; ++y)
       for (int x = 0; x < small.width; ++x)
         out.set(x + (width - small.width) / 2, y + (height - small.height) / 2, small.at(x, y));
@@ -132,9 +128,9 @@ inline Image contact_sheet(const std::vector<Candidate>& all, const Image& photo
     char text[80];
     const PoseCandidate& p = c.poses.front();
     std::snprintf(text, sizeof text, "score %.3f, IoU %.3f, cosine %.3f", c.score(), p.iou, c.cosine);
-    cards.push_back({preview(*c.scene, framed(bounds(c.scene->mesh()), p.pose.azimuth, p.pose.elevation, width, height)
-                                           .camera()),
-                     c.name, text});
+    cards.push_back(
+        {preview(*c.scene, framed(bounds(c.scene->mesh()), p.pose.azimuth, p.pose.elevation, width, height).camera()),
+         c.name, text});
   }
   return card_sheet(cards, 3);
 }

@@ -1,10 +1,9 @@
 // examples/twin_leave.h -- what a twin leaves behind: the model with its materials, pictures, a turntable, a page
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-#include <burnish/io/bake.h>
-#include <burnish/io/gltf.h>
 #include <burnish/io/page.h>
 #include <burnish/twin/assign_parts.h>
+#include "dressed.h"
 #include "fit_report.h"
 #include "turntable.h"
 #include "twin_find.h"
@@ -23,7 +22,8 @@ inline constexpr std::array<vec3<float>, part_kinds> kind_colors{{{0.65f, 0.12f,
 class Leavings {
 public:
   Leavings(std::string folder, const std::string& photo)
-      : folder_(std::move(folder)), page_("A twin of a vehicle in " + std::filesystem::path(photo).filename().string()) {}
+      : folder_(std::move(folder)),
+        page_("A twin of a vehicle in " + std::filesystem::path(photo).filename().string()) {}
 
   void found(const std::vector<Candidate>& all, const Image& photo, const Mask& mask, const std::string& how) {
     const Candidate& best = all.front();
@@ -36,13 +36,16 @@ public:
     const Image sheet = contact_sheet(all, photo, mask);
     write_png(folder_ + "/candidates.png", sheet);
     page_.heading("The model");
-    page_.text("The library's vehicles that look most like it, each posed against the photo; the first is kept. Cosine: of "
-               "the vehicle's best view with the photo's mask and edges. Score: of what the pose covers of the mask, and of "
-               "edges and dark parts.");
+    page_.text(
+        "The library's vehicles that look most like it, each posed against the photo; the first is kept. Cosine: of "
+        "the vehicle's best view with the photo's mask and edges. Score: of what the pose covers of the mask, and of "
+        "edges and dark parts.");
     page_.picture(sheet, best.name + " is what the twin is made of.");
-    const Image posed = around(overlay(photo, mask, best.scene->trace(p.pose.camera()).frame("coverage")), mask, 0.2f, 960);
+    const Image posed =
+        around(overlay(photo, mask, best.scene->trace(p.pose.camera()).frame("coverage")), mask, 0.2f, 960);
     write_png(folder_ + "/pose.png", posed);
-    page_.heading("The pose").picture(posed, "Green: mask and model agree; red: the model alone; blue: the mask alone.");
+    page_.heading("The pose")
+        .picture(posed, "Green: mask and model agree; red: the model alone; blue: the mask alone.");
     const auto number = [](const char* format, double x) {
       char text[48];
       std::snprintf(text, sizeof text, format, x);
@@ -62,7 +65,8 @@ public:
   }
 
   /// Gives a line on what was told apart. labels: of the photo's pixels.
-  std::string parts(const Raycaster& scene, const AssignedParts& parts, const Image& photo, const std::vector<int>& labels) {
+  std::string parts(const Raycaster& scene, const AssignedParts& parts, const Image& photo,
+                    const std::vector<int>& labels) {
     constexpr int wide = 480, high = 300;
     std::vector<Panel> panels;
     for (const float azimuth : {0.6f, 2.5f}) {
@@ -74,7 +78,8 @@ public:
         const PartGuess& guess = parts.parts[std::size_t(g.part[std::size_t(i)])];
         picture.set(p % wide, p / wide, kind_colors[std::size_t(guess.kind)] * (0.35f + 0.65f * dot(s.normal, s.view)));
       }
-      panels.push_back({azimuth < 1 ? "the model: body red, windows blue, tyres black, lights yellow" : "from behind", picture});
+      panels.push_back(
+          {azimuth < 1 ? "the model: body red, windows blue, tyres black, lights yellow" : "from behind", picture});
     }
     const Image kinds = sheet(panels, 2);
     write_png(folder_ + "/parts.png", kinds);
@@ -101,7 +106,8 @@ public:
       if (g.share > 0.0005f)
         rows.push_back({part.material, part.name, std::string(name_of(g.kind)), sure, area, g.reason});
     }
-    page_.heading("The parts").picture(kinds, "What the materials were taken for. parts.txt can be edited and given back.");
+    page_.heading("The parts")
+        .picture(kinds, "What the materials were taken for. parts.txt can be edited and given back.");
     page_.picture(seen, "The photo's own pixels, by the model's parts and their colours.").table(rows);
     for (const std::string& n : parts.notes) page_.text(n);
     char text[160];
@@ -118,42 +124,24 @@ public:
     const report::Rows rows = report::numbers(f.materials, settings);
     report::print(rows);
     page_.table(rows);
-    page_.text("+- is a standard deviation: how much a number could change and the picture still fit as well, given the "
-               "light. How strong the light was one photo does not tell.");
+    page_.text(
+        "+- is a standard deviation: how much a number could change and the picture still fit as well, given the "
+        "light. How strong the light was one photo does not tell.");
   }
 
-  /// twin.glb: the body with the fitted paint, windows with the glass, tyres with the rubber; the rest as the file has it.
-  void model(const Mesh& mesh, const AssignedParts& parts, const looks::Vehicle& v) {
-    FileMaterials file = file_materials(mesh);
-    const int paint = int(file.materials.size());
-    file.materials.push_back(bake("paint", v.paint));
-    file.materials.push_back(bake("glass", v.window.glass));
-    file.materials.push_back(bake("rubber", v.rubber));
-    for (std::size_t p = 0; p < mesh.parts.size(); ++p) {
-      const PartKind k = parts.parts[p].kind;
-      if (k == PartKind::body) file.of_part[p] = paint;
-      if (k == PartKind::window) file.of_part[p] = paint + 1;
-      if (k == PartKind::tyre) file.of_part[p] = paint + 2;
-    }
-    write_gltf(folder_ + "/twin.glb", mesh, file.materials, file.of_part, "twin");
+  /// twin.glb: the body with the fitted paint, windows with the glass, tyres with the rubber; the rest as in the file.
+  void model(const Raycaster& scene, const AssignedParts& parts, const looks::Vehicle& v) {
+    dressed::write(folder_ + "/twin.glb", scene.mesh(), dressed::Dressed(scene, parts.kinds(), v), "twin");
   }
 
   void turntable(const Raycaster& scene, const AssignedParts& parts, const fitting::FittedParts& f, int frames) {
     Progress bar("turntable");
     const looks::Vehicle v = f.materials.best();
-    const Mesh& mesh = scene.mesh();
-    const auto look = [&](int p, const Surfel<float>& at) {
-      const Part& part = mesh.parts[std::size_t(p)];
-      switch (parts.parts[std::size_t(p)].kind) {
-        case PartKind::body: return v.paint(at);
-        case PartKind::window: return v.window.glass(at);
-        case PartKind::tyre: return v.rubber(at);
-        default: return parts::file_look(mesh, part, at.uv)(at);
-      }
-    };
+    const dressed::Dressed look(scene, parts.kinds(), v);
     std::vector<std::string> jpegs;
     Image first;
-    const World& world = f.lit.world;
+    World world = f.lit.world;
+    expose(world);
     turntable::turn(scene, world.sky, world.strength, world.occluded, look, looks::developed, {.frames = frames},
                     [&](int i, const Image& picture) {
                       if (i == frames / 12) first = picture;
@@ -181,9 +169,20 @@ public:
   }
 
 private:
+  using World = shot::World;
   std::string folder_;
   Page page_;
-  using World = shot::World;
+
+  /// A photographer's exposure: what is white and lies level is nearly so. The photo may have been overexposed.
+  static void expose(World& world) {
+    const vec3<float> up(0, 1, 0);
+    const auto e = IrradianceMap(world.sky)(up);
+    vec3<float> light = vec3<float>(e[0], e[1], e[2]) * world.strength.sky;
+    for (const Sun<float>& s : world.sky.suns)
+      light += s.power * (std::max(0.0f, dot(up, s.direction))) * world.strength.sun;
+    const float k = 0.8f * pi / std::max(luminance(light), 1e-6f);
+    world.strength.sky *= k, world.strength.sun *= k, world.occluded *= k;
+  }
 };
 
 }  // namespace twin

@@ -101,9 +101,9 @@ vec3<double> gltf(const GltfMaterial& m, const vec3<double>& v, const vec3<doubl
 TEST_CASE("glTF: read back by Assimp it is the same vehicle, part by part", "[io][agreement]") {
   const files::Folder folder;
   const Mesh m = box_car();
-  const FileMaterials own = file_materials(m);
+  const PartMaterials own = file_materials(m);
   REQUIRE(own.materials.size() == 3);  // both wheels have one
-  write_gltf(folder / "car.glb", m, own.materials, own.of_part);
+  write_gltf(folder / "car.glb", m, own);
   CHECK(folder.count() == 1);
   const Mesh back = read_mesh(folder / "car.glb");
   REQUIRE(back.triangles.size() == m.triangles.size());
@@ -142,8 +142,8 @@ TEST_CASE("glTF: chunks, views, accessors and extensions are as the specificatio
   CarPaint<float> paint;
   paint.mottle = {0.05f, 0.3f}, paint.flakes = {0.004f, 0.1f, 0.7f};
   write_gltf(folder / "car.glb", m,
-             {bake("paint", paint, {.texels = 32}), bake("glass", WindowGlass<float>{}), bake("tyre", Rubber<float>{})},
-             {0, 1, 2, 2});
+             {{bake("paint", paint, {.texels = 32}), bake("glass", WindowGlass<float>{}), bake("tyre", Rubber<float>{})},
+              {0, 1, 2, 2}});
   const auto [j, bytes] = chunks_of(folder / "car.glb");
   CHECK(j["asset"]["version"] == "2.0");
   CHECK(j["asset"]["generator"] == "burnish");
@@ -303,9 +303,9 @@ TEST_CASE("Baked tile: repeats without a seam, and its mean is the model's", "[i
 TEST_CASE("glTF: what is wrong is said in one line, and nothing is left", "[io][limit]") {
   const files::Folder folder;
   const Mesh m = box_car();
-  const FileMaterials own = file_materials(m);
+  const PartMaterials own = file_materials(m);
   const std::string path = folder / "car.glb";
-  const auto write = [&](const Mesh& mesh, const std::vector<int>& of) { write_gltf(path, mesh, own.materials, of); };
+  const auto write = [&](const Mesh& mesh, const std::vector<int>& of) { write_gltf(path, mesh, {own.materials, of}); };
   CHECK(error_of([&] { write({}, {}); }) == path + ": a mesh without triangles, expected at least one");
   CHECK(error_of([&] { write(m, {0, 1}); }) == path + ": materials for 2 parts, expected 4");
   CHECK(error_of([&] { write(m, {0, 1, 2, 3}); }) == path + ": part Wheel FL has material 3 of 3");
@@ -314,7 +314,7 @@ TEST_CASE("glTF: what is wrong is said in one line, and nothing is left", "[io][
   CHECK(error_of([&] { write(broken, own.of_part); }) == path + ": vertex 5 of Body is not a number");
   CHECK(folder.count() == 0);
   const std::string nowhere = folder / "none/car.glb";
-  CHECK(error_of([&] { write_gltf(nowhere, m, own.materials, own.of_part); }).find(nowhere + ": cannot be written") == 0);
+  CHECK(error_of([&] { write_gltf(nowhere, m, own); }).find(nowhere + ": cannot be written") == 0);
   // Names of any bytes, and normals and uvs that some corners lack, still make a file that can be read.
   Mesh odd = m;
   odd.parts[0].name = "caf\xe9 \"x\"", odd.parts[1].name.clear();

@@ -10,9 +10,11 @@
 // Lost are glints of flakes smaller than a texel, base_diffuse_roughness, a coat's own normal, and what a coat's index
 // other than 1.5 does at grazing angles.
 #pragma once
+#include <burnish/ad/parallel.h>
 #include <burnish/io/gltf.h>
 #include <burnish/math/color.h>
 #include <burnish/math/frame.h>
+#include <burnish/scene/gbuffer.h>
 #include <burnish/shade/brdf.h>
 
 namespace burnish {

@@ -155,16 +155,22 @@ private:
 };
 }  // namespace detail
 
+/// Materials, and of each part of a mesh the place of its own among them.
+struct PartMaterials {
+  std::vector<GltfMaterial> materials;
+  std::vector<int> of_part;
+};
+
 /// A node a part, with the part's name; its origin is the middle of the part's box, so that a wheel turns about itself.
-/// material_of: of each part, its place in materials. Normals are written where all of a part's corners have one, uvs
+/// Normals are written where all of a part's corners have one, uvs
 /// where all are finite. Parts without a triangle are left out. Error for a mesh without triangles, a part without a
 /// material, a number that is not finite, and what cannot be written.
-inline void write_gltf(const std::string& path, const Mesh& mesh, const std::vector<GltfMaterial>& materials,
-                       const std::vector<int>& material_of, const std::string& name = "vehicle") {
+inline void write_gltf(const std::string& path, const Mesh& mesh, const PartMaterials& look,
+                       const std::string& name = "vehicle") {
   using Json = detail::GltfFile::Json;
   if (mesh.triangles.empty()) throw Error(path + ": a mesh without triangles, expected at least one");
-  if (material_of.size() != mesh.parts.size())
-    throw Error(path + ": materials for " + std::to_string(material_of.size()) + " parts, expected " +
+  if (look.of_part.size() != mesh.parts.size())
+    throw Error(path + ": materials for " + std::to_string(look.of_part.size()) + " parts, expected " +
                 std::to_string(mesh.parts.size()));
   std::vector<std::vector<int>> triangles(mesh.parts.size());
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) triangles[std::size_t(mesh.part[t])].push_back(int(t));
@@ -178,12 +184,12 @@ inline void write_gltf(const std::string& path, const Mesh& mesh, const std::vec
   std::vector<int> place(mesh.positions.size(), -1);
   for (std::size_t part = 0; part < mesh.parts.size(); ++part) {
     if (triangles[part].empty()) continue;
-    const int material = material_of[part];
-    if (material < 0 || material >= int(materials.size()))
+    const int material = look.of_part[part];
+    if (material < 0 || material >= int(look.materials.size()))
       throw Error(path + ": part " + mesh.parts[part].name + " has material " + std::to_string(material) + " of " +
-                  std::to_string(materials.size()));
+                  std::to_string(look.materials.size()));
     const auto [at, fresh] = written.try_emplace(material, 0);
-    if (fresh) at->second = file.material(materials[std::size_t(material)]);
+    if (fresh) at->second = file.material(look.materials[std::size_t(material)]);
 
     std::vector<int> used;
     std::vector<std::uint32_t> indices;
@@ -222,13 +228,9 @@ inline void write_gltf(const std::string& path, const Mesh& mesh, const std::vec
   file.write(path);
 }
 
-/// The materials that a mesh's file gave its parts: one for every different pair of colour and texture.
-struct FileMaterials {
-  std::vector<GltfMaterial> materials;
-  std::vector<int> of_part;
-};
-inline FileMaterials file_materials(const Mesh& mesh) {
-  FileMaterials out;
+/// What a mesh's file gave its parts: one for every different pair of colour and texture.
+inline PartMaterials file_materials(const Mesh& mesh) {
+  PartMaterials out;
   std::vector<const Part*> first;
   for (const Part& p : mesh.parts) {
     const auto same = [&](const Part* q) {

@@ -38,7 +38,9 @@ inline GivenKind parse_kind(const std::string& text, const std::string& option =
   const std::size_t eq = text.rfind('=');
   if (eq == std::string::npos || eq == 0)
     throw Error(option + " " + text + ": expected material=kind, a kind being " + detail::all_kinds());
-  return detail::given_kind(text.substr(0, eq), text.substr(eq + 1), option + " " + text);
+  GivenKind given = detail::given_kind(text.substr(0, eq), text.substr(eq + 1), option + " " + text);
+  given.from = option + " " + text.substr(0, eq);
+  return given;
 }
 
 /// The file's text.
@@ -90,7 +92,8 @@ inline std::vector<GivenKind> parse_parts(const std::string& text, const std::st
     if (tab == std::string::npos || tab == 0)
       throw Error(where + ": \"" + line + "\", expected a material, a tab and its kind");
     const std::string key = line.substr(0, tab), kind = line.substr(tab + 1, line.find('\t', tab + 1) - tab - 1);
-    const GivenKind g = detail::given_kind(key, kind, where);
+    GivenKind g = detail::given_kind(key, kind, where);
+    g.from = where + ": " + key;
     const auto [known, fresh] = before.emplace(key, g.kind);
     if (!fresh && known->second != g.kind)
       throw Error(where + ": " + key + " is " + kind + " here and " + std::string(name_of(known->second)) + " above");

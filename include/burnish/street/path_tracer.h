@@ -74,38 +74,54 @@ public:
   }
 
   /// scene_depth: metres along the camera's axis to what the photo shows, of the camera's size, or of no size; what
-  /// lies behind it is hidden. grounded: whether the shadow is seen (it always falls on the ground).
+  /// lies behind it is hidden. grounded: whether the shadow is seen (it always falls on the ground). A few samples are
+  /// taken everywhere; where these and all that lie up to 6 pixels away find nothing of the vehicle, they are all.
   template <class Progress>
   InsertLayers render(const Camera& camera, const Mask& scene_depth, bool grounded, Progress progress) const {
-    const int w = camera.width, h = camera.height;
-    InsertLayers out{Image(w, h), Image(w, h), Image(w, h), Image(w, h), Image(w, h)};
+    const int w = camera.width, h = camera.height, first = std::min(options_.samples, 4);
+    std::vector<Pixel> sums(std::size_t(w) * std::size_t(h));
+    std::vector<std::uint8_t> busy(sums.size());
     std::mutex telling;
     int done = 0;
     const Box near = reach();
-    parallel_for(h, [&](int y) {
-      for (int x = 0; x < w; ++x) {
-        Pixel sum;
-        const float hidden = scene_depth.width == w && scene_depth.height == h
-                                 ? scene_depth.at(x, y)
-                                 : std::numeric_limits<float>::infinity();
-        const int n = worth_it(camera, x, y, near) ? options_.samples : 0;
-        for (int s = 0; s < n; ++s) {
-          detail::Random random(std::uint32_t(y * w + x), std::uint32_t(s), options_.seed);
-          // The places in the pixel are spread evenly (Roberts 2018), turned by the pixel's own numbers.
-          const float u = random() + 0.7548776662f * float(s), v = random() + 0.5698402910f * float(s);
-          sum += pixel(camera, {float(x) + u - std::floor(u), float(y) + v - std::floor(v)}, hidden, grounded, random);
+    const auto pass = [&](int from, int to, auto wanted) {
+      parallel_for(h, [&](int y) {
+        for (int x = 0; x < w; ++x) {
+          const std::size_t i = std::size_t(y) * std::size_t(w) + std::size_t(x);
+          if (!wanted(x, y, i)) continue;
+          const float hidden = scene_depth.width == w && scene_depth.height == h
+                                   ? scene_depth.at(x, y)
+                                   : std::numeric_limits<float>::infinity();
+          for (int s = from; s < to; ++s) {
+            detail::Random random(std::uint32_t(i), std::uint32_t(s), options_.seed);
+            // The places in the pixel are spread evenly (Roberts 2018), turned by the pixel's own numbers.
+            const float u = random() + 0.7548776662f * float(s), v = random() + 0.5698402910f * float(s);
+            const Pixel p = pixel(camera, {float(x) + u - std::floor(u), float(y) + v - std::floor(v)}, hidden,
+                                  grounded, random);
+            busy[i] |= p.kept.x != 1 || p.kept.y != 1 || p.kept.z != 1 || p.object.x + p.added.x != 0;
+            sums[i] += p;
+          }
         }
-        const vec3<float> one(1.0f);
-        const float k = n > 0 ? 1 / float(n) : 0;
+        const std::lock_guard lock(telling);
+        progress(++done, 2 * h);
+      });
+    };
+    pass(0, first, [&](int x, int y, std::size_t) { return worth_it(camera, x, y, near); });
+    busy = grown(std::move(busy), w, h, 6);
+    pass(first, options_.samples, [&](int, int, std::size_t i) { return busy[i] && sums[i].samples > 0; });
+
+    InsertLayers out{Image(w, h), Image(w, h), Image(w, h), Image(w, h), Image(w, h)};
+    for (int y = 0; y < h; ++y)
+      for (int x = 0; x < w; ++x) {
+        const Pixel& sum = sums[std::size_t(y) * std::size_t(w) + std::size_t(x)];
+        const float k = sum.samples > 0 ? 1 / float(sum.samples) : 0;
+        const vec3<float> nothing(sum.samples > 0 ? 0.0f : 1.0f);
         out.object.set(x, y, sum.object * k);
-        out.through.set(x, y, n > 0 ? sum.through * k : one);
-        out.shadow.set(x, y, n > 0 ? max(sum.shadow * k, 0.0f) : one);
-        out.kept.set(x, y, n > 0 ? max(sum.kept * k, 0.0f) : one);
+        out.through.set(x, y, sum.through * k + nothing);
+        out.shadow.set(x, y, max(sum.shadow * k, 0.0f) + nothing);
+        out.kept.set(x, y, max(sum.kept * k, 0.0f) + nothing);
         out.added.set(x, y, sum.added * k);
       }
-      const std::lock_guard lock(telling);
-      progress(++done, h);
-    });
     return out;
   }
 
@@ -115,8 +131,9 @@ public:
 private:
   struct Pixel {
     vec3<float> object, through, shadow, kept, added;
+    int samples = 0;
     Pixel& operator+=(const Pixel& o) {
-      object += o.object, through += o.through, shadow += o.shadow, kept += o.kept, added += o.added;
+      object += o.object, through += o.through, shadow += o.shadow, kept += o.kept, added += o.added, ++samples;
       return *this;
     }
   };
@@ -128,6 +145,24 @@ private:
   vec3<float> open_;  // irradiance of the ground without the vehicle
   float limit_;
 
+  /// A pixel is set where one at most r columns and rows away was.
+  static std::vector<std::uint8_t> grown(std::vector<std::uint8_t> set, int w, int h, int r) {
+    for (const bool rows : {false, true}) {
+      const int lines = rows ? w : h, length = rows ? h : w, step = rows ? w : 1, next = rows ? 1 : w;
+      for (int line = 0; line < lines; ++line) {
+        std::uint8_t* const at = set.data() + std::ptrdiff_t(line) * next;
+        int last = -2 * length;  // the place of the last that was set
+        std::vector<std::uint8_t> out(std::size_t(length), 0);
+        for (int i = 0; i < length + r; ++i) {
+          if (i < length && at[std::ptrdiff_t(i) * step]) last = i;
+          const int middle = i - r;
+          if (middle >= 0 && middle < length) out[std::size_t(middle)] = last >= middle - r;
+        }
+        for (int i = 0; i < length; ++i) at[std::ptrdiff_t(i) * step] = out[std::size_t(i)];
+      }
+    }
+    return set;
+  }
   static vec3<float> max(const vec3<float>& a, float b) {
     return {std::max(a.x, b), std::max(a.y, b), std::max(a.z, b)};
   }
@@ -135,7 +170,7 @@ private:
   Box reach() const {
     Box box = bounds(scene_.mesh());
     const vec3<float> size = box.size();
-    const float far = 4 * std::max({size.x, size.y, size.z});
+    const float far = 3 * std::max({size.x, size.y, size.z});
     box.low = {box.low.x - far, std::min(box.low.y, ground_.height), box.low.z - far};
     box.high = {box.high.x + far, box.high.y, box.high.z + far};
     return box;
@@ -298,7 +333,7 @@ private:
   Pixel pixel(const Camera& camera, const vec2<float>& place, float hidden, bool grounded,
               detail::Random& random) const {
     const vec3<float> one(1.0f);
-    Pixel p{{}, one, one, one, {}};
+    Pixel p{{}, one, one, one, {}, 0};
     Ray ray = camera.ray(place.x, place.y);
     const float along = dot(ray.direction, camera.forward);
     vec3<float> left(1.0f);

@@ -16,6 +16,7 @@ struct GivenKind {
   std::string material;
   int part = -1;
   PartKind kind = PartKind::other;
+  std::string from;  // what an Error about it begins with; empty: the material
 };
 struct AssignOptions {
   bool names = true;                          // whether names of parts and materials are looked at
@@ -127,8 +128,9 @@ inline AssignedParts assign_parts(const Raycaster& scene, const AssignOptions& o
     std::set<std::string> names;
     for (const Part& p : mesh.parts)
       if (names.insert(p.material).second) all += (all.empty() ? "" : ", ") + p.material;
-    throw Error(g.material + (g.part >= 0 ? "[" + std::to_string(g.part) + "]" : "") +
-                ": the vehicle has no such material; it has " + all);
+    const std::string part = g.part >= 0 ? "[" + std::to_string(g.part) + "]" : "";
+    throw Error((g.from.empty() ? g.material + part : g.from) + ": the vehicle has no such material" +
+                (g.part >= 0 ? " with that part" : "") + "; it has " + all);
   }
 
   // The body: of the materials that are nothing else, the largest, those more that windows are set in.
