@@ -139,8 +139,11 @@ inline SunSpot find_sun(const Image& panorama, const SkyMask& m) {
       if (rim.size() < 3) continue;
       detail::Circle c = detail::fit_circle(rim, s.middle);
       const double texel = 3.141592653589793 / h;
-      if (!(dot(c.middle, s.middle) > std::cos(1.5 * std::sqrt(s.area) + 2 * texel)) || s.rim.size() < 8) {
-        c.middle = s.middle, c.radius = std::sqrt(s.area / 3.14159), c.sigma = 0.5 * c.radius;
+      // A circle that leaves the spot, or is far larger, is none: the spot's middle then.
+      const double even = std::sqrt(s.area / 3.14159);
+      if (s.rim.size() < 8 || !(dot(c.middle, s.middle) > std::cos(std::min(1.5 * even + texel, 1.5))) ||
+          c.radius > 2 * even + texel) {
+        c.middle = s.middle, c.radius = even, c.sigma = 0.5 * even;
       }
       // Glow: how much lighter the sky is just outside than further off.
       double near = 0, far = 0, near_n = 1e-9, far_n = 1e-9;
