@@ -92,6 +92,9 @@ inline double mean_above_white(const Image& p, const SkyMask& m) {
   for (int step = 0; step < 40; ++step) (below(0.5 * (low + high)) < q ? low : high) = 0.5 * (low + high);
   return std::exp(sigma * low + sigma * sigma / 2) * below(low + sigma) / q;
 }
+/// Of the ground: the mean over the outdoor panoramas that were looked at; half and twice as much are met.
+inline constexpr double believed_albedo = 0.12;
+
 struct SunStrength {
   double irradiance = 0, sigma = 1;  // luminance, of a surface that faces the sun; of its logarithm
 };
@@ -109,16 +112,17 @@ inline SunStrength sun_strength(const Image& small, const HdrPanorama& found, co
   // The fitted sky's own sun.
   const vec3<double> model = sun_irradiance(std::min(found.sky.sky.turbidity, 5.0), sun) * found.sky.scale * (1 / 0.683);
   guess(luminance(model), std::hypot(0.1, 5 * found.sky.residual));
-  // The ground's radiance, whose albedo is believed to be 0.12.
+  // The ground's radiance, by its believed albedo.
   std::vector<double> ground;
   const int h = small.height;
   for (int y = h * 7 / 12; y < h; ++y) {
     for (int x = 0; x < small.width; x += row_step(h, y)) ground.push_back(double(luminance(small.at(x, y))));
   }
-  const double lit = 3.14159 * median_of(ground) / 0.12 - sky_up;
+  const double lit = 3.14159 * median_of(ground) / believed_albedo - sky_up;
   if (up > 0.2) guess(std::max(lit, 0.1 * sky_up) / up, 1.3);
-  // A sun behind a cloud makes a white spot without a slope around.
-  const double t = std::clamp((glow.p - 0.2) / 0.3, 0.0, 1.0), seen = t * t * (3 - 2 * t);
+  // A sun behind a cloud makes a white spot without a slope around; under a sky that is as clear as the model it is seen.
+  const double t = std::clamp(std::max((glow.p - 0.2) / 0.3, (0.1 - found.sky.residual) / 0.06), 0.0, 1.0);
+  const double seen = t * t * (3 - 2 * t);
   return {std::exp(sum / weights) * seen, std::sqrt(1 / weights)};
 }
 }  // namespace detail
@@ -132,14 +136,23 @@ inline HdrPanorama estimate_hdr(const Image& ldr) {
   out.mask = find_sky(small);
   if (out.mask.evidence <= 0) return out;
   out.kind = SkyKind::cloudy;
-  out.spot = find_sun(small, out.mask);
+  // Of the spots the one about which the sky is most like a sky.
+  const auto few = detail::sky_samples(small, out.mask, 300);
+  double best = 0;
+  const auto spots = find_suns(small, out.mask);
+  for (std::size_t i = 0; i < spots.size() && i < 4; ++i) {
+    const double misfit = fit_sky(few, spots[i].direction, 0.05, detail::believed_albedo, 8).residual;
+    const double score = spots[i].plausible * std::pow(0.05 / (0.05 + misfit), 2);
+    if (score > best) best = score, out.spot = spots[i];
+  }
   const auto samples = detail::sky_samples(small, out.mask, 1000);
-  const bool spotted = out.spot.plausible > 0.1;
+  const bool spotted = best > 1e-3;
   if (spotted) {
     const RefinedSun refined = refine_sun(small, out.mask, out.spot);
     out.spot.direction = refined.direction, out.spot.sigma = refined.sigma;
   }
-  out.sky = fit_sky(samples, spotted ? out.spot.direction : vec3<double>(0, 0.7071, -0.7071), spotted ? 0.02 : 2.0);
+  out.sky = fit_sky(samples, spotted ? out.spot.direction : vec3<double>(0, 0.7071, -0.7071), spotted ? 0.02 : 2.0,
+                    detail::believed_albedo);
   const vec3<double> sun = spotted ? out.spot.direction : out.sky.sun;
   out.sun_direction = vec3<float>(sun);
   out.sun_sigma = spotted ? out.spot.sigma : std::max(out.sky.sun_sigma, 0.3);

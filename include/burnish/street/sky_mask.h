@@ -94,7 +94,9 @@ inline SkyMask find_sky(const Image& panorama) {
     const double up = f.elevation(y);
     for (int x = 0; x < f.width; ++x) {
       const std::size_t i = std::size_t(y) * f.width + x;
-      may[i] = up > -1.5 && (f.white[i] || (!f.green[i] && f.light[i] > ground[0] + 0.1));
+      // Lighter than the ground; or much bluer, as the dark side of a clear sky over a sunny street.
+      const bool blue = f.blue[i] > 0.15f && f.blue[i] > ground[1] + 0.5 && f.light[i] > ground[0] - 1.5;
+      may[i] = up > -1.5 && (f.white[i] || (!f.green[i] && (f.light[i] > ground[0] + 0.1 || blue)));
       sky[i] = may[i] && up > 60;
     }
   }
