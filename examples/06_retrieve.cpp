@@ -2,12 +2,12 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Every file is read once, in a process of its own (io/build_library.h), and described from many sides
-// (twin/describe.h). The photo's mask and edges are described alike, and the nearest views found (twin/search.h).
+// (twin/describe.h). The photo's mask and edges are described alike, and the nearest views found (twin/retrieve.h).
 #include <CLI/CLI.hpp>
 #include <burnish/io/build_library.h>
 #include <burnish/io/embeddings.h>
 #include <burnish/io/photo.h>
-#include <burnish/twin/search.h>
+#include <burnish/twin/retrieve.h>
 #include "cards.h"
 #include "progress.h"
 
@@ -142,8 +142,8 @@ int run(Options o) {
   for (const std::string& f : o.folders)
     if (!std::filesystem::exists(f)) throw Error(f + ": no such folder, expected one with vehicle files");
   if (std::filesystem::exists(o.index)) read_library(o.index);
-  check_writable(o.output);
   catch_interrupt();
+  check_writable(o.output);
   LibraryBuild built = build(o, o.index);
   Library library = std::move(built.library);
   if (interrupted) {
@@ -173,7 +173,9 @@ int run(Options o) {
                 std::to_string(space->second.columns));
   const std::vector<int> first = first_rows(library, space->second);
   Progress search("search");
-  const auto found = nearest_models(space->second.values, space->second.columns, first, query, o.top);
+  const auto found = o.by == "views"
+                         ? retrieve(space->second.values, first, mask, photo, o.top)
+                         : nearest_models(space->second.values, space->second.columns, first, query, o.top);
   search.finish(std::to_string(space->second.rows()) + " rows of " +
                 std::to_string(library.count(LibraryStatus::indexed)) + " vehicles");
 
