@@ -142,8 +142,8 @@ int run(Options o) {
   for (const std::string& f : o.folders)
     if (!std::filesystem::exists(f)) throw Error(f + ": no such folder, expected one with vehicle files");
   if (std::filesystem::exists(o.index)) read_library(o.index);
-  check_writable(o.output);
   catch_interrupt();
+  check_writable(o.output);
   LibraryBuild built = build(o, o.index);
   Library library = std::move(built.library);
   if (interrupted) {
