@@ -14,7 +14,7 @@
 namespace burnish {
 
 struct PhotoPartsOptions {
-  float blur = 0.05f;  // of the prior, standard deviation in parts of the vehicle's diagonal in the picture
+  float blur = 0.05f;  // of the prior, standard deviation in parts of the vehicle's diagonal; half for 3, 4
   int gaussians = 3;   // a label
   int iterations = 4;
   float color = 1;          // exponent of the colour's likelihood: pixels are not independent
@@ -79,7 +79,8 @@ inline std::vector<int> photo_parts(const Image& photo, const Mask& vehicle, con
   }
   inside = prior;
   for (auto& p : inside) detail::blur(p, cw, ch, 0.25f * options.blur * diagonal);
-  for (auto& p : prior) detail::blur(p, cw, ch, options.blur * diagonal);
+  for (std::size_t c = 0; c < n; ++c)
+    detail::blur(prior[c], cw, ch, options.blur * diagonal * (c >= 2 ? 0.5f : 1.0f));  // wheels and lamps are small
   std::vector<vec3<float>> color;
   std::vector<int> place;  // in the window, of each of the vehicle's pixels
   std::vector<int> number(std::size_t(cw) * std::size_t(ch), -1);
