@@ -36,8 +36,8 @@ inline Mask measured(Role role, const Photo& photo) {
   return role == Role::paint ? mask : street::without_extremes(photo.image, mask);
 }
 
-/// start: what the prior holds to. state: where the fit goes on from. A part that lies nowhere on the photo's is fitted by
-/// all but its pixels; one that either of them lacks is left as it is.
+/// start: what the prior holds to. state: where the fit goes on from. A part that lies nowhere on the photo's is fitted
+/// by all but its pixels; one that either of them lacks is left as it is.
 template <class M, class Look>
 Fitted<M> fit_part(Role role, const M& start, FitState<M> state, const Look& look, const Shot& from, const World& world,
                    const Photo& photo, const Settings& settings, const MoreLoss& more, const Watch& watch) {

@@ -101,6 +101,14 @@ TEST_CASE("gram_loss: the mean of the entries' differences in the photo's units"
   for (const auto& m : d)
     for (const double x : m.values) CHECK(x == 0);
 }
+TEST_CASE("gram_loss: a layer that is 0 in the photo's part has no units and does not count", "[fit][limit]") {
+  std::vector<FeatureLayer<double>> ours{layer(3, 9, 7, 2), layer(2, 5, 4, 3)}, theirs{layer(3, 8, 8, 4), ours[1]};
+  std::vector<FeatureMap<double>> d;
+  const double alone = gram_loss(std::vector{ours[0]}, grams(std::vector{theirs[0]}), 1, d);
+  std::fill(theirs[1].maps.values.begin(), theirs[1].maps.values.end(), 0.0);
+  CHECK(gram_loss(ours, grams(theirs), 1, d) == alone);
+  CHECK(d[1].values.empty());
+}
 TEST_CASE("gram_loss: its slopes by the features are those of differences", "[fit][gradient]") {
   std::vector<FeatureLayer<double>> ours{layer(5, 13, 11, 6), layer(3, 6, 5, 7)};
   const std::vector<Gram> photo = grams(std::vector<FeatureLayer<double>>{layer(5, 8, 8, 8), layer(3, 3, 9, 9)});
@@ -192,4 +200,20 @@ TEST_CASE("GramLoss: what lies outside either mask changes no bit of loss or slo
   GramLoss<FilterBank> odd(FilterBank(), photo, theirs);
   CHECK(odd(image, ours, 1, d) == value);
   CHECK(d.values == d_clean.values);
+}
+TEST_CASE("eroded: what is whole, and all around it, is left, as 1", "[fit][value]") {
+  Mask mask(12, 9);
+  for (int y = 1; y < 9; ++y)
+    for (int x = 2; x < 11; ++x) mask.at(x, y) = 1;
+  mask.at(10, 4) = 0.5f;
+  for (const int r : {0, 1, 2}) {
+    const Mask m = eroded(mask, r);
+    for (int y = 0; y < 9; ++y)
+      for (int x = 0; x < 12; ++x) {
+        const bool box = x >= 2 + r && x < 11 - r && y >= 1 + r && y < 9 - r;  // beyond the picture is nothing
+        const bool hole = std::abs(x - 10) <= r && std::abs(y - 4) <= r;
+        CAPTURE(r, x, y);
+        CHECK(m.at(x, y) == (box && !hole ? 1 : 0));
+      }
+  }
 }
