@@ -19,7 +19,7 @@ struct MatchOptions {
   float edge_weight = 5;    ///< of the photo's edges against the outline; 0: the outline alone is refined
   bool keep_shape = true;   ///< false: what is found goes with a mesh that is stretched
   bool hidden = true;       ///< whether something may stand before the vehicle
-  float usual = 0.15f;      ///< see RefineOptions
+  float usual = 0.08f;      ///< see RefineOptions
   std::vector<float> tones = {};  ///< of the parts, see Tones; empty: as they are found
 };
 
