@@ -32,11 +32,11 @@ public:
       if (luminance(main_) > most) continue;
       double explained = 0;
       for (const auto& [other, o] : shades) {
-        const auto [part, dark] = share(o.second / float(o.first));
-        if (part > 0.5f && dark > 0.3f) explained += o.first;
+        const auto [part, shade_of_main] = share(o.second / float(o.first));
+        if (part > 0.5f && shade_of_main > 0.3f && shade_of_main < brightest) explained += o.first;
       }
       if (luminance(main_) < 0.03f) explained *= 0.4;  // black plastic is seen on cars of every colour
-      if (explained > best) best = explained, found = main_;
+      if (explained > best || (explained == best && luminance(main_) > luminance(found))) best = explained, found = main_;
     }
     main_ = found;
   }
@@ -47,7 +47,7 @@ public:
   Share share(const vec3<float>& color) const {
     const float shade = dot(color, main_) / std::max(dot(main_, main_), 1e-6f);
     const float apart = length(color - main_ * shade) / std::max(length(color), 0.02f);
-    return {(1 - smoothstep(0.15f, 0.35f, apart)) * (1 - smoothstep(1.3f, 2.0f, shade)), std::min(shade, 1.15f)};
+    return {(1 - smoothstep(0.15f, 0.35f, apart)) * (1 - smoothstep(1.3f, 2.0f, shade)), std::min(shade, brightest)};
   }
   vec3<float> operator()(const vec3<float>& color, const vec3<float>& instead) const {
     const auto [part, shade] = share(color);
@@ -55,10 +55,12 @@ public:
   }
 
 private:
+  static constexpr float brightest = 1.2f;  // of the main colour
   vec3<float> main_{0.5f, 0.5f, 0.5f};
 };
 
-/// Bodies bear the paint, windows the glass, tyres the rubber; everything else looks as its file says. Keeps references.
+/// Bodies bear the paint, windows the glass, tyres the rubber; everything else looks as its file says. Keeps a
+/// reference to the scene's mesh.
 class Dressed {
 public:
   /// kinds: of each part of the mesh.
@@ -113,7 +115,7 @@ public:
 private:
   using Role = parts::Role;
   const Mesh& mesh_;
-  const looks::Vehicle& fitted_;
+  looks::Vehicle fitted_;
   std::vector<Role> role_;
   std::vector<Recoloured> main_;
 

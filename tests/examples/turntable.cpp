@@ -3,7 +3,8 @@
 #include <burnish_test.h>
 #include "../../examples/turntable.h"
 #include "record.h"
-#include <burnish/burnish.h>
+#include <burnish/nodes/car_paint.h>
+#include <burnish/nodes/window_glass.h>
 
 using namespace burnish;
 

@@ -5,9 +5,11 @@
 #include "record.h"
 #include <cstring>
 #include <numbers>
-#include <burnish/burnish.h>
 #include <burnish/io/bake.h>
 #include <burnish/io/mesh.h>
+#include <burnish/nodes/car_paint.h>
+#include <burnish/nodes/rubber.h>
+#include <burnish/nodes/window_glass.h>
 
 using namespace burnish;
 using files::error_of;

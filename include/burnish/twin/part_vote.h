@@ -53,7 +53,7 @@ inline std::vector<PartVote> vote_parts(const std::vector<GBuffer>& views, const
 inline PartWitness vote_witness(const PartVote& vote, float threshold = 0.5f) {
   PartWitness w(1, "");
   if (vote.pixels < 4 || vote.iou <= threshold) return w;
-  w = PartWitness(0.03f, "masks of " + std::string(name_of(vote.kind)) + ", IoU " + detail::percent(vote.iou));
+  w = PartWitness(0.002f, "masks of " + std::string(name_of(vote.kind)) + ", IoU " + detail::percent(vote.iou));
   w[vote.kind] = vote.iou;
   if (is_wheel(vote.kind))  // segmenters know wheels, not what of them is rubber
     for (const PartKind k : {PartKind::tyre, PartKind::rim, PartKind::wheel}) w[k] = std::max(w[k], 0.7f * vote.iou);

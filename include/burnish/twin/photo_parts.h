@@ -7,6 +7,7 @@
 // field with contrast-sensitive weights, after Boykov and Jolly 2001), and specks are dropped.
 #pragma once
 #include <burnish/math/color.h>
+#include <burnish/scene/error.h>
 #include <burnish/scene/gbuffer.h>
 
 namespace burnish {

@@ -38,7 +38,7 @@ struct RefineOptions {
   int steps = 30;
   float usual = 0.02f;       ///< how much it counts that photos are taken upright, from about a person's height
   float usual_focal = 1.2f;  ///< in widths of the picture: where the focal length goes when the photo does not tell
-  std::vector<float> tones = {};  ///< of the parts, see tone_of; for the edges
+  const Tones* tones = nullptr;  ///< of the mesh; where the target has edges
 };
 
 namespace detail {
@@ -191,7 +191,7 @@ inline MatchedPose refine_pose(const Raycaster& scene, const MeshEdges& edges, P
     return s;
   };
   const auto find_points = [&](const P& p) {
-    if (target.edges) points = edge_points(scene.trace(target.window.camera(p.pose), 1), options.tones);
+    if (target.edges) points = edge_points(scene.trace(target.window.camera(p.pose), 1), *options.tones);
   };
   P at{start.pose, std::log(start.stretch.x), std::log(start.stretch.y)};
   Silhouette seen = look(at);

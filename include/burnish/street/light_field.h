@@ -1,0 +1,44 @@
+// burnish/street/light_field.h -- light that varies along a street: panoramas where they were taken, and the nearest serves
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <burnish/light/environment.h>
+#include <burnish/scene/error.h>
+
+namespace burnish {
+
+/// Where a panorama was taken, world metres, and its light.
+struct PlacedLight {
+  vec3<float> position;
+  EnvironmentLight light;
+};
+/// A small set of lights; an insertion takes the nearest, as the paper does.
+struct LightField {
+  std::vector<PlacedLight> lights;
+
+  /// Of equally near ones the first. Error when there is none.
+  const PlacedLight& nearest(const vec3<float>& position) const {
+    if (lights.empty()) throw Error("a light field without panoramas, expected one at least");
+    const auto distance2 = [&](const PlacedLight& p) { return dot(p.position - position, p.position - position); };
+    return *std::min_element(lights.begin(), lights.end(),
+                             [&](const auto& a, const auto& b) { return distance2(a) < distance2(b); });
+  }
+};
+
+/// The paper's light without an estimate: six equal ones along the positive and negative axes, here infinitely far, and
+/// nothing else. irradiance: what each gives a surface that faces it.
+inline EnvironmentLight six_lights(const vec3<float>& irradiance = {1, 1, 1}) {
+  EnvironmentLight e;
+  const vec3<float> directions[6] = {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}};
+  for (const vec3<float>& d : directions) {
+    Sun<float> s;
+    s.direction = d, s.power = irradiance, s.index = float(e.suns.size());
+    e.suns.push_back(s);
+  }
+  return e;
+}
+/// As much light as the panorama gives, from those six directions: to be compared with it.
+inline EnvironmentLight six_lights(const EnvironmentLight& as_bright) {
+  return six_lights(vec3<float>(as_bright.energy() * (1.0 / 6)));
+}
+
+}  // namespace burnish
