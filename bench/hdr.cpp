@@ -71,7 +71,7 @@ int main(int argc, char** argv) {
       }
   }
   std::sort(files.begin(), files.end());
-  std::vector<double> ours, plain, off, ours_sky, plain_sky;
+  std::vector<double> ours, plain, ours_sky, plain_sky, ours_lost, plain_lost, off, sure;
   std::printf("%-30s %5s  %-6s %14s %6s %7s %10s   %-34s  %-34s\n", "panorama", "mean", "found", "sun: elevation", "part",
               "off", "(sigma)", "error of E: up, +x, -x, +z, -z, %", "of the clipped panorama, %");
   for (const std::string& file : files) {
@@ -92,12 +92,15 @@ int main(int argc, char** argv) {
         const double t = truth[k] * double(exposure), a = with[k] / t - 1, b = without[k] / t - 1;
         std::printf(" %6.0f", 100 * a);
         ours.push_back(std::fabs(a)), plain.push_back(std::fabs(b));
-        if (found.kind != SkyKind::none) ours_sky.push_back(std::fabs(a)), plain_sky.push_back(std::fabs(b));
+        if (found.kind == SkyKind::none) continue;
+        ours_sky.push_back(std::fabs(a)), plain_sky.push_back(std::fabs(b));
+        if (b < -0.1) ours_lost.push_back(std::fabs(a)), plain_lost.push_back(std::fabs(b));
       }
       std::printf("  ");
       for (std::size_t k = 0; k < 5; ++k) std::printf(" %6.0f", 100 * (without[k] / (truth[k] * double(exposure)) - 1));
       std::printf("\n");
-      if (found.kind != SkyKind::none && sun.part > 0.01) off.push_back(angle);
+      if (found.kind == SkyKind::sunny && sun.part > 0.01) off.push_back(angle);
+      if (found.kind == SkyKind::sunny && found.sun_sigma < 0.035) sure.push_back(angle);
     }
   }
   const auto part_of = [](std::vector<double> v, double q) {
@@ -105,11 +108,17 @@ int main(int argc, char** argv) {
     std::sort(v.begin(), v.end());
     return v[std::size_t(q * double(v.size() - 1))];
   };
-  std::printf("\nirradiance, all %zu planes:            median error %4.1f %%, 90 %% below %5.1f %%; clipped: %4.1f %%, %5.1f %%\n",
-              ours.size(), 100 * part_of(ours, 0.5), 100 * part_of(ours, 0.9), 100 * part_of(plain, 0.5),
-              100 * part_of(plain, 0.9));
-  std::printf("irradiance, %zu planes under a sky:    median error %4.1f %%, 90 %% below %5.1f %%; clipped: %4.1f %%, %5.1f %%\n",
-              ours_sky.size(), 100 * part_of(ours_sky, 0.5), 100 * part_of(ours_sky, 0.9), 100 * part_of(plain_sky, 0.5),
-              100 * part_of(plain_sky, 0.9));
-  std::printf("sun, %zu pictures where it is above 1 %% of the light: median %.1f degrees off\n", off.size(), part_of(off, 0.5));
+  const auto line = [&](const char* what, const std::vector<double>& a, const std::vector<double>& b) {
+    std::printf("%-62s %4zu   %5.1f %5.1f   %5.1f %5.1f\n", what, a.size(), 100 * part_of(a, 0.5), 100 * part_of(a, 0.9),
+                100 * part_of(b, 0.5), 100 * part_of(b, 0.9));
+  };
+  std::printf("\n%-62s %4s   %-12s  %s\n", "error of the irradiance, %: median and 90 % below", "n", "estimated", "clipped");
+  line("all planes of all panoramas", ours, plain);
+  line("under a sky that was found", ours_sky, plain_sky);
+  line("and clipping takes more than a tenth of it", ours_lost, plain_lost);
+  std::printf("\n%-62s %4s   median, 90 %% below\n", "the sun is off by, degrees", "n");
+  std::printf("%-62s %4zu   %5.1f %5.1f\n", "it is said to be seen, and has 1 % of all light", off.size(), part_of(off, 0.5),
+              part_of(off, 0.9));
+  std::printf("%-62s %4zu   %5.1f %5.1f\n", "it is said to be seen, and sigma is below 2 degrees", sure.size(),
+              part_of(sure, 0.5), part_of(sure, 0.9));
 }

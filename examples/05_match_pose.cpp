@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Every vehicle is looked at from all round; the views that look most like the photo, by the mask, by edges and by dark
-// parts, are refined by the slopes of its silhouette and of its edges (twin/match_pose.h). What it writes is the --camera
-// of 04_fit_material.
+// parts, are refined by the slopes of its silhouette and of its edges (twin/match_pose.h). What it writes is the
+// --camera of 04_fit_material.
 #include <CLI/CLI.hpp>
 #include <burnish/io/mesh.h>
 #include <burnish/io/poses.h>
@@ -114,15 +114,15 @@ int run(const Options& o) {
 
 int main(int argc, char** argv) {
   Options o;
-  CLI::App app{"Finds the camera that saw a CAD vehicle where a photo's mask is; of several vehicles, the likeliest.\n\n"
+  CLI::App app{"Finds the camera that saw a CAD vehicle where a photo's mask is; of several, the likeliest.\n\n"
                "  05_match_pose --photo street.jpg --mask car.png --vehicle car.glb --output pose\n"
                "  04_fit_material --photo street.jpg --mask car.png --vehicle car.glb --camera pose/camera.json ..."};
   app.option_defaults()->take_last();
   app.add_option("--photo", o.photo, "the photo: any format OpenImageIO reads")->required();
   app.add_option("--mask", o.mask, "the vehicle in the photo: white, same size")->required();
   app.add_option("--vehicle", o.vehicles,
-                 "any format Assimp reads; archive.zip:inner/path for a file in a zip archive; given several times, all "
-                 "are tried")
+                 "any format Assimp reads; archive.zip:inner/path for a file in a zip archive; given several times, "
+                 "all are tried")
       ->take_all()
       ->required();
   app.add_option("--focal", o.focal, "the photo's focal length in pixels; 0: not known, fitted as well")

@@ -23,6 +23,7 @@ const std::string usual = "/usr/share/blender/datafiles/studiolights/world/city.
 Image stitched(const Options& o) {
   std::vector<LensPicture> pictures;
   std::vector<Lens> lenses;
+  if (o.calibrations.empty()) throw Error("--calibration is missing: how do the lenses of --fisheye see?");
   for (const std::string& file : o.calibrations)
     for (Lens& l : read_lenses(file)) lenses.push_back(std::move(l));
   if (o.fisheyes.size() != lenses.size() && o.fisheyes.size() != 1)

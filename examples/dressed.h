@@ -11,13 +11,13 @@
 namespace dressed {
 using namespace burnish;
 
-/// A part's texture with its main colour exchanged: what is a darker shade of it (seams, baked shadows) stays so, and what
-/// has another hue or is much brighter (lamps, chrome, a rim in a tyre) stays as it is.
+/// A part's texture with its main colour exchanged: what is a darker shade of it (seams, baked shadows) stays so, and
+/// what has another hue or is much brighter (lamps, chrome, a rim in a tyre) stays as it is.
 class Recoloured {
 public:
   Recoloured() = default;
-  /// colors: some of what is seen of the part. The main colour explains most of them, as itself or a darker shade; most:
-  /// how bright it may be.
+  /// colors: some of what is seen of the part. The main colour explains most of them, as itself or a darker shade;
+  /// most: how bright it may be.
   Recoloured(const std::vector<vec3<float>>& colors, float most) {
     std::map<int, std::pair<int, vec3<float>>> shades;  // how many, and their sum, by 6 steps a channel
     const auto step = [](float x) { return int(5.99f * std::sqrt(std::clamp(x, 0.0f, 1.0f))); };
@@ -36,9 +36,17 @@ public:
         if (part > 0.5f && shade_of_main > 0.3f && shade_of_main < brightest) explained += o.first;
       }
       if (luminance(main_) < 0.03f) explained *= 0.4;  // black plastic is seen on cars of every colour
-      if (explained > best || (explained == best && luminance(main_) > luminance(found))) best = explained, found = main_;
+      if (explained > best || (explained == best && luminance(main_) > luminance(found)))
+        best = explained, found = main_;
     }
     main_ = found;
+    std::vector<float> bright;  // the paint in the light, not in the shadows that were baked into it
+    for (const vec3<float>& c : colors)
+      if (const auto [part, shade] = share(c); part > 0.5f && shade > 0.3f) bright.push_back(shade);
+    if (bright.empty()) return;
+    const auto at = bright.begin() + std::ptrdiff_t(bright.size() * 7 / 10);
+    std::nth_element(bright.begin(), at, bright.end());
+    main_ = main_ * *at;
   }
   /// The share of the main colour in a colour, and how bright that is of the main colour's brightness.
   struct Share {
@@ -119,7 +127,8 @@ private:
   std::vector<Role> role_;
   std::vector<Recoloured> main_;
 
-  GltfMaterial made(std::size_t p, const GltfMaterial& file, const Surfel<float>& at, const BakeOptions& options) const {
+  GltfMaterial made(std::size_t p, const GltfMaterial& file, const Surfel<float>& at,
+                    const BakeOptions& options) const {
     const Part& part = mesh_.parts[p];
     const std::string& name = part.material;
     if (part.texture < 0) {
@@ -138,8 +147,7 @@ private:
     GltfMaterial m = gltf_material(name, s, options);
     Image image = mesh_.images[std::size_t(part.texture)];
     for (int y = 0; y < image.height; ++y)
-      for (int x = 0; x < image.width; ++x)
-        image.set(x, y, main_[p](image.at(x, y) * part.base_color, m.base_color));
+      for (int x = 0; x < image.width; ++x) image.set(x, y, main_[p](image.at(x, y) * part.base_color, m.base_color));
     m.base_color = {1, 1, 1};
     m.base_color_map = std::move(image);
     return m;

@@ -125,7 +125,8 @@ TEST_CASE("assign_parts: shapes alone tell body, windows, wheels and lights", "[
     wrong += parts.parts[p].kind != car.kinds[p];
   }
   CHECK(parts.body_material == 0);
-  record::claim("assign_parts: kinds, names hidden", "law", "a car made of known parts", 0, wrong, long(car.kinds.size()));
+  record::claim("assign_parts: kinds, names hidden", "law", "a car made of known parts", 0, wrong,
+                long(car.kinds.size()));
 }
 
 TEST_CASE("find_wheels: finds centres and radii, also of wheels that are steered", "[twin][value]") {
@@ -221,7 +222,9 @@ TEST_CASE("vote_parts: a part is of the kind whose masks cover more than half of
       if (p > 1) continue;
       const bool in = count[p]++ % 10 < (p == 0 ? 7 : 4);
       covered[p] += in;
-      if (in) labels[v][std::size_t(views[v].pixel[std::size_t(i)])] = part_label(p == 0 ? PartKind::window : PartKind::light);
+      if (in)
+        labels[v][std::size_t(views[v].pixel[std::size_t(i)])] =
+            part_label(p == 0 ? PartKind::window : PartKind::light);
     }
   }
   const std::vector<PartVote> votes = vote_parts(views, labels);
@@ -239,8 +242,9 @@ TEST_CASE("vote_parts: a part is of the kind whose masks cover more than half of
   labels[0].pop_back();
   CHECK(error_of([&] { vote_parts(views, labels); }).find("label image of view 0") == 0);
   labels[0].push_back(99);
-  CHECK(error_of([&] { vote_parts(views, {{}, {}, std::vector<int>(labels[0].size(), 9)}); }).find("value 9, expected 0 to 7") !=
-        std::string::npos);
+  CHECK(error_of([&] {
+          vote_parts(views, {{}, {}, std::vector<int>(labels[0].size(), 9)});
+        }).find("value 9, expected 0 to 7") != std::string::npos);
 }
 
 TEST_CASE("parts_text: what is written is read back, and wrong lines are named", "[twin][agreement]") {
@@ -256,11 +260,14 @@ TEST_CASE("parts_text: what is written is read back, and wrong lines are named",
 
   CHECK(error_of([] { parse_parts("# x\na\twindo\n", "p.txt"); }) ==
         "p.txt:2: kind \"windo\", expected body, window, wheel, tyre, rim, light or other");
-  CHECK(error_of([] { parse_parts("a body\n", "p.txt"); }) == "p.txt:1: \"a body\", expected a material, a tab and its kind");
+  CHECK(error_of([] { parse_parts("a body\n", "p.txt"); }) ==
+        "p.txt:1: \"a body\", expected a material, a tab and its kind");
   CHECK(error_of([] { parse_parts("a\tbody\n\nb\trim\na\tlight\t1\twhy\n", "p.txt"); }) ==
         "p.txt:4: a is light here and body above");
   options.given = parse_parts("wood\tbody\n", "p.txt");
-  CHECK(error_of([&] { assign_parts(scene, options); }).find("p.txt:1: wood: the vehicle has no such material; it has a, b") == 0);
+  CHECK(error_of([&] {
+          assign_parts(scene, options);
+        }).find("p.txt:1: wood: the vehicle has no such material; it has a, b") == 0);
   options.given = {parse_kind("b=other"), parse_kind("c[3]=light")};
   const AssignedParts told = assign_parts(scene, options);
   CHECK(told.parts[1].kind == PartKind::other);
@@ -277,7 +284,8 @@ TEST_CASE("part_labels: a dark band in the paint's texture is other", "[twin][va
   m.images.push_back(texture);
   m.parts[0].texture = 0;
   quad(m, {-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0});
-  for (std::size_t v = 0; v < 4; ++v) m.uvs[v] = {v == 1 || v == 2 ? 1.0f : 0.0f, v > 1 ? 1.0f : 0.0f}, m.normals[v] = {0, 0, 1};
+  for (std::size_t v = 0; v < 4; ++v)
+    m.uvs[v] = {v == 1 || v == 2 ? 1.0f : 0.0f, v > 1 ? 1.0f : 0.0f}, m.normals[v] = {0, 0, 1};
   const Raycaster scene(m);
   const GBuffer g = scene.trace(Camera::look_at({0, 0, 5}, {0, 0, 0}, {0, 1, 0}, 20, 100, 100), 1);
   AssignedParts parts;

@@ -10,7 +10,8 @@ namespace {
 /// A car from the side, moved and with windows of another height: the label at a place in units of its length.
 int label_at(float x, float y, float pane_top, float shift) {
   x -= shift;
-  const bool upper = x > 0.25f && x < 0.75f && y > 0.25f && y < 0.42f, lower = x > 0.02f && x < 0.98f && y > 0.1f && y <= 0.25f;
+  const bool upper =
+      x > 0.25f && x < 0.75f && y > 0.25f && y<0.42f, lower = x> 0.02f && x < 0.98f && y > 0.1f && y <= 0.25f;
   for (const float w : {0.2f, 0.8f}) {
     const float r = std::hypot(x - w, y - 0.09f);
     if (r < 0.04f) return 4;
@@ -32,7 +33,8 @@ TEST_CASE("photo_parts: labels follow the photo where the model lies beside it",
     const char* name;
     vec3<float> color;
   };
-  for (const Paint& paint : {Paint{"red", {0.35f, 0.03f, 0.03f}}, Paint{"white", {0.75f, 0.75f, 0.74f}}, Paint{"blue", {0.03f, 0.08f, 0.3f}}}) {
+  for (const Paint& paint : {Paint{"red", {0.35f, 0.03f, 0.03f}}, Paint{"white", {0.75f, 0.75f, 0.74f}},
+                             Paint{"blue", {0.03f, 0.08f, 0.3f}}}) {
     Image photo(w, h, {0.2f, 0.2f, 0.18f});
     Mask vehicle(w, h);
     GBuffer g;
@@ -46,7 +48,10 @@ TEST_CASE("photo_parts: labels follow the photo where the model lies beside it",
         if (t == 0) continue;
         vehicle.at(x, y) = 1;
         const float shade = v > 0.25f || v < 0.15f ? 0.8f : 1;
-        const vec3<float> c = t == 1 ? paint.color * shade : t == 2 ? vec3<float>(0.06f, 0.08f, 0.09f) : t == 3 ? vec3<float>(0.015f, 0.015f, 0.015f) : vec3<float>(0.3f, 0.3f, 0.32f);
+        const vec3<float> c = t == 1   ? paint.color * shade
+                              : t == 2 ? vec3<float>(0.06f, 0.08f, 0.09f)
+                              : t == 3 ? vec3<float>(0.015f, 0.015f, 0.015f)
+                                       : vec3<float>(0.3f, 0.3f, 0.32f);
         photo.set(x, y, c * (1 + 0.15f * noise(i)));
       }
     std::vector<int> pixels;

@@ -1,10 +1,10 @@
 // burnish/io/poses.h -- what matching found, as a JSON file
 // SPDX-License-Identifier: Apache-2.0
 //
-// {"sure": true, "candidates": [{"vehicle": "car.glb", "azimuth": 12.3, ...}, ...]}, the best first: angles in degrees (see
-// twin/pose.h), distance in metres, focal in pixels, deviations under the same names in "deviation"; "iou", "edges" and
-// "tone" are the evidence, "score" its sum, comparable within the file, "belief" that against the other headings of the
-// same vehicle. "camera" is the pose as a camera file has it (io/camera.h).
+// {"sure": true, "candidates": [{"vehicle": "car.glb", "azimuth": 12.3, ...}, ...]}, the best first: angles in degrees
+// (see twin/pose.h), distance in metres, focal in pixels, deviations under the same names in "deviation"; "iou",
+// "edges" and "tone" are the evidence, "score" its sum, comparable within the file, "belief" that against the other
+// headings of the same vehicle. "camera" is the pose as a camera file has it (io/camera.h).
 #pragma once
 #include <nlohmann/json.hpp>
 #include <burnish/io/camera.h>

@@ -9,7 +9,6 @@
 namespace burnish {
 
 struct SunSpot {
-  bool found = false;
   vec3<double> direction;  ///< unit, towards the sun
   double sigma = 0;        ///< rad: standard deviation of the direction, of each of its two angles
   double radius = 0;       ///< of the clipped spot, rad
@@ -119,10 +118,11 @@ inline Circle fit_circle(const std::vector<vec3<double>>& rim, const vec3<double
 }
 }  // namespace detail
 
-/// The most plausible sun among the clipped spots of the sky. panorama: as given to find_sky.
-inline SunSpot find_sun(const Image& panorama, const SkyMask& m) {
+/// What of the clipped spots of the sky may be the sun, the most plausible first, five degrees apart at least. panorama: as
+/// given to find_sky.
+inline std::vector<SunSpot> find_suns(const Image& panorama, const SkyMask& m) {
   const int w = m.sky.width, h = m.sky.height;
-  SunSpot best;
+  std::vector<SunSpot> all;
   // Where all channels are clipped the spot is smaller and rounder; with fewer, a sun in haze may still be seen.
   for (int channels = 3; channels >= 1; --channels) {
     std::vector<char> white(std::size_t(w) * h);
@@ -139,8 +139,11 @@ inline SunSpot find_sun(const Image& panorama, const SkyMask& m) {
       if (rim.size() < 3) continue;
       detail::Circle c = detail::fit_circle(rim, s.middle);
       const double texel = 3.141592653589793 / h;
-      if (!(dot(c.middle, s.middle) > std::cos(1.5 * std::sqrt(s.area) + 2 * texel)) || s.rim.size() < 8) {
-        c.middle = s.middle, c.radius = std::sqrt(s.area / 3.14159), c.sigma = 0.5 * c.radius;
+      // A circle that leaves the spot, or is far larger, is none: the spot's middle then.
+      const double even = std::sqrt(s.area / 3.14159);
+      if (s.rim.size() < 8 || !(dot(c.middle, s.middle) > std::cos(std::min(1.5 * even + texel, 1.5))) ||
+          c.radius > 2 * even + texel) {
+        c.middle = s.middle, c.radius = even, c.sigma = 0.5 * even;
       }
       // Glow: how much lighter the sky is just outside than further off.
       double near = 0, far = 0, near_n = 1e-9, far_n = 1e-9;
@@ -155,14 +158,19 @@ inline SunSpot find_sun(const Image& panorama, const SkyMask& m) {
       }
       const double glow = std::clamp((near / near_n) / std::max(far / far_n, 1e-3) - 1, 0.0, 1.5) / 1.5;
       const double roundness = 1 / (1 + std::pow(c.rms / (0.3 * c.radius + texel), 2));
-      const double size = std::exp(-0.5 * std::pow(std::log(std::max(c.radius, texel) / 0.12) / 1.3, 2));
-      const double large = std::sqrt(s.area / spots[0].area);
+      const double size = 1 / (1 + std::pow(std::log(std::max(c.radius, texel) / 0.12) / 1.5, 2));
+      const double large = std::pow(s.area / spots[0].area, 0.25);
       const double plausible = large * roundness * size * (0.25 + 0.75 * glow) * (channels == 3 ? 1 : channels == 2 ? 0.9 : 0.8);
-      if (plausible > best.plausible)
-        best = {plausible > 0.25 && c.middle.y > -0.02, c.middle, std::hypot(c.sigma, 0.5 * texel), c.radius, plausible};
+      if (c.middle.y > -0.02) all.push_back({c.middle, std::hypot(c.sigma, 0.5 * texel), c.radius, plausible});
     }
   }
-  return best;
+  std::stable_sort(all.begin(), all.end(), [](const SunSpot& a, const SunSpot& b) { return a.plausible > b.plausible; });
+  std::vector<SunSpot> apart;
+  for (const SunSpot& s : all) {
+    if (std::none_of(apart.begin(), apart.end(), [&](const SunSpot& o) { return dot(o.direction, s.direction) > 0.9962; }))
+      apart.push_back(s);
+  }
+  return apart;
 }
 
 }  // namespace burnish

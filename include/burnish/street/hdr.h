@@ -4,7 +4,6 @@
 // Lat-long panoramas as in light/environment.h, linear RGB, the photo's white at 1, level, of any size. No network is
 // asked, but what one predicts can be handed to compose_hdr.
 #pragma once
-#include <cstdio>
 #include <burnish/scene/error.h>
 #include <burnish/street/refine_sun.h>
 #include <burnish/street/sky_fit.h>
@@ -76,13 +75,31 @@ inline Glow fit_glow(const std::vector<SkySample>& samples, const vec3<double>& 
   // Through the rim of what is clipped, where radiance is 1.
   return {p * std::log(std::max(inner, 0.02)), p};
 }
-}  // namespace detail
+
+/// Of a sky whose luminance is log-normal with a deviation of 0.5 and clipped in that part that the mask says: the mean of
+/// what is clipped. Between 1.2 (a few white clouds) and about 3 (all of it is white).
+inline double mean_above_white(const Image& p, const SkyMask& m) {
+  double clipped = 0, all = 1e-9;
+  for (int y = 0; y < p.height; ++y) {
+    const double area = texel_area(p.width, p.height, y);
+    for (int x = 0; x < p.width; ++x) {
+      if (m.sky.at(x, y) > 0.5f) all += area, clipped += area * double(m.clipped.at(x, y));
+    }
+  }
+  const double q = std::clamp(clipped / all, 0.01, 0.97), sigma = 0.5;
+  const auto below = [](double x) { return 0.5 * std::erfc(-x * 0.7071067811865475); };
+  double low = -3, high = 3;  // the normal's quantile q
+  for (int step = 0; step < 40; ++step) (below(0.5 * (low + high)) < q ? low : high) = 0.5 * (low + high);
+  return std::exp(sigma * low + sigma * sigma / 2) * below(low + sigma) / q;
+}
+/// Of the ground: the mean over the outdoor panoramas that were looked at; half and twice as much are met.
+inline constexpr double believed_albedo = 0.12;
 
 struct SunStrength {
   double irradiance = 0, sigma = 1;  // luminance, of a surface that faces the sun; of its logarithm
 };
 /// Three guesses, each as sure as it was found to be on real panoramas, put together as logarithms.
-inline SunStrength sun_strength(const Image& small, const HdrPanorama& found, const detail::Glow& glow, double sky_up) {
+inline SunStrength sun_strength(const Image& small, const HdrPanorama& found, const Glow& glow, double sky_up) {
   const vec3<double> sun = vec3<double>(found.sun_direction);
   const double up = std::max(sun.y, 0.03), degrees = found.spot.radius * 57.29578;
   double sum = 0, weights = 0;
@@ -94,20 +111,21 @@ inline SunStrength sun_strength(const Image& small, const HdrPanorama& found, co
   guess(0.7 * std::pow(degrees, 0.6) * through, 0.9);
   // The fitted sky's own sun.
   const vec3<double> model = sun_irradiance(std::min(found.sky.sky.turbidity, 5.0), sun) * found.sky.scale * (1 / 0.683);
-  guess(luminance(model), 1.3);
-  // The ground's radiance, whose albedo is believed to be 0.12.
+  guess(luminance(model), std::hypot(0.1, 5 * found.sky.residual));
+  // The ground's radiance, by its believed albedo.
   std::vector<double> ground;
   const int h = small.height;
   for (int y = h * 7 / 12; y < h; ++y) {
-    for (int x = 0; x < small.width; x += detail::row_step(h, y)) ground.push_back(double(luminance(small.at(x, y))));
+    for (int x = 0; x < small.width; x += row_step(h, y)) ground.push_back(double(luminance(small.at(x, y))));
   }
-  const double lit = 3.14159 * detail::median_of(ground) / 0.12 - sky_up;
+  const double lit = 3.14159 * median_of(ground) / believed_albedo - sky_up;
   if (up > 0.2) guess(std::max(lit, 0.1 * sky_up) / up, 1.3);
-  // A sun behind a cloud makes a white spot without a slope around.
-  const double t = std::clamp((glow.p - 0.2) / 0.3, 0.0, 1.0), seen = t * t * (3 - 2 * t);
-  if (std::getenv("HDRDBG")) std::printf("# glare %.3f model %.3f ground %.3f seen %.2f p %.2f skyup %.2f el %.1f r %.1f T %.1f\n", 0.7 * std::pow(degrees, 0.6) * through, luminance(model), lit/up, seen, glow.p, sky_up, std::asin(sun.y)*57.3, degrees, found.sky.sky.turbidity);
+  // A sun behind a cloud makes a white spot without a slope around; under a sky that is as clear as the model it is seen.
+  const double t = std::clamp(std::max((glow.p - 0.2) / 0.3, (0.1 - found.sky.residual) / 0.06), 0.0, 1.0);
+  const double seen = t * t * (3 - 2 * t);
   return {std::exp(sum / weights) * seen, std::sqrt(1 / weights)};
 }
+}  // namespace detail
 
 inline HdrPanorama estimate_hdr(const Image& ldr) {
   detail::check_panorama(ldr, "panorama");
@@ -118,19 +136,29 @@ inline HdrPanorama estimate_hdr(const Image& ldr) {
   out.mask = find_sky(small);
   if (out.mask.evidence <= 0) return out;
   out.kind = SkyKind::cloudy;
-  out.spot = find_sun(small, out.mask);
+  // Of the spots the one about which the sky is most like a sky.
+  const auto few = detail::sky_samples(small, out.mask, 300);
+  double best = 0;
+  const auto spots = find_suns(small, out.mask);
+  for (std::size_t i = 0; i < spots.size() && i < 4; ++i) {
+    const double misfit = fit_sky(few, spots[i].direction, 0.05, detail::believed_albedo, 8).residual;
+    const double score = spots[i].plausible * std::pow(0.05 / (0.05 + misfit), 2);
+    if (score > best) best = score, out.spot = spots[i];
+  }
   const auto samples = detail::sky_samples(small, out.mask, 1000);
-  const bool spotted = out.spot.plausible > 0.1;
+  const bool spotted = best > 1e-3;
   if (spotted) {
     const RefinedSun refined = refine_sun(small, out.mask, out.spot);
     out.spot.direction = refined.direction, out.spot.sigma = refined.sigma;
   }
-  out.sky = fit_sky(samples, spotted ? out.spot.direction : vec3<double>(0, 0.7071, -0.7071), spotted ? 0.02 : 2.0);
+  out.sky = fit_sky(samples, spotted ? out.spot.direction : vec3<double>(0, 0.7071, -0.7071), spotted ? 0.02 : 2.0,
+                    detail::believed_albedo);
   const vec3<double> sun = spotted ? out.spot.direction : out.sky.sun;
   out.sun_direction = vec3<float>(sun);
   out.sun_sigma = spotted ? out.spot.sigma : std::max(out.sky.sun_sigma, 0.3);
 
-  // The clipped sky, by the fall of the glow about the sun; away from it a little more than white.
+  // The clipped sky: about the sun by the fall of the glow, elsewhere what is likely above white.
+  const double white = detail::mean_above_white(small, out.mask);
   const detail::Glow glow = spotted ? detail::fit_glow(samples, sun, out.spot.radius) : detail::Glow{};
   const Mask sky = resized(out.mask.sky, ldr.width, ldr.height);
   for (int y = 0; y < ldr.height; ++y) {
@@ -139,14 +167,14 @@ inline HdrPanorama estimate_hdr(const Image& ldr) {
       if (sky.at(x, y) < 0.3f || std::max({c.x, c.y, c.z}) < clipped_from) continue;
       const vec3<double> d = latlong_direction((x + 0.5) / ldr.width, (y + 0.5) / ldr.height);
       const double angle = std::acos(std::clamp(dot(d, sun), -1.0, 1.0));
-      const double l = std::max(spotted ? std::min(glow(angle), 50.0) : 0.0, 1.2);
+      const double l = spotted && angle < 1.3 * out.spot.radius ? std::clamp(glow(angle), 1.0, 50.0) : white;
       const auto back = [&](float v) { return v >= clipped_from ? std::max(v, float(l)) : v; };
       out.panorama.set(x, y, {back(c.x), back(c.y), back(c.z)});
     }
   }
   if (!spotted) return out;
   const double sky_up = detail::irradiance_up(detail::resampled_panorama(out.panorama, h)), up = std::max(sun.y, 0.03);
-  const SunStrength strength = sun_strength(small, out, glow, sky_up);
+  const detail::SunStrength strength = detail::sun_strength(small, out, glow, sky_up);
   const double e = strength.irradiance;
   if (e * up < 0.01 * sky_up && e < 0.03 * sky_up) return out;
   out.kind = SkyKind::sunny;

@@ -69,11 +69,11 @@ inline RefinedSun refine_sun(const Image& panorama, const SkyMask& m, const SunS
   const double reach = spot.radius + 0.5;
   detail::GlowTexels channel[3];
   for (int y = 0; y < h / 2; ++y) {
-    const int step = 2 * detail::row_step(h, y);
+    const int step = 4 * detail::row_step(h, y);
     for (int x = (y % 2) * step / 2; x < w; x += step) {
       const vec3<double> d = latlong_direction((x + 0.5) / w, (y + 0.5) / h);
       const double angle = std::acos(std::clamp(dot(d, spot.direction), -1.0, 1.0));
-      if (m.sky.at(x, y) < 0.5f || angle > reach || d.y < 0.02) continue;
+      if (m.sky.at(x, y) < 0.5f || angle > reach || d.y < 0.05) continue;
       for (int c = 0; c < 3; ++c) {
         const float v = panorama.plane(c)[std::size_t(y) * w + x];
         if (v >= clipped_from || v < 0.004f) continue;
@@ -122,11 +122,15 @@ inline RefinedSun refine_sun(const Image& panorama, const SkyMask& m, const SunS
     return r;
   };
   const double sure_a = std::max(width(1, 0), width(-1, 0)), sure_b = std::max(width(0, 1), width(0, -1));
-  // Together with the circle, whose middle stands well in azimuth but rises and sinks with the haze on the horizon.
-  const double circle_a = std::hypot(spot.sigma, 0.15 * spot.radius), circle_b = std::hypot(spot.sigma, 0.4 * spot.radius);
+  // Together with the circle. Its middle stands well in azimuth; but a spot that reaches down to the horizon, where the
+  // haze takes its lower part away, lies too high by a third of its radius, more or less.
+  const bool low = std::asin(spot.direction.y) - spot.radius < 0.05;
+  const double circle_a = std::hypot(spot.sigma, 0.15 * spot.radius);
+  const double circle_b = std::hypot(spot.sigma, (low ? 0.4 : 0.3) * spot.radius), lift = low ? -0.35 * spot.radius : 0;
   const auto weight = [](double sigma) { return 1 / (sigma * sigma); };
   out.direction = place(a * weight(sure_a) / (weight(sure_a) + weight(circle_a)),
-                        b * weight(sure_b) / (weight(sure_b) + weight(circle_b)));
+                        (b * weight(sure_b) + lift * weight(circle_b)) / (weight(sure_b) + weight(circle_b)));
+  if (out.direction.y < 0.01) out.direction = normalize(vec3<double>(out.direction.x, 0.01, out.direction.z));
   out.sigma = std::sqrt(1 / std::min(weight(sure_a) + weight(circle_a), weight(sure_b) + weight(circle_b)));
   return out;
 }

@@ -26,7 +26,7 @@ inline double median_of(std::vector<double> v) {
   std::nth_element(v.begin(), v.begin() + std::ptrdiff_t(v.size() / 2), v.end());
   return v[v.size() / 2];
 }
-/// Solid angle that counts in medians: every texel as often as its row is wide. step: which texels of a row.
+/// Every so manieth texel of a row makes rows count by their solid angle.
 inline int row_step(int height, int y) { return std::max(1, int(1 / std::sin((y + 0.5) * 3.141592653589793 / height))); }
 
 /// What the sky is judged by, one texel each.
@@ -84,7 +84,7 @@ inline void grow_sky(const SkyFeatures& f, const std::vector<char>& may, std::ve
 }
 }  // namespace detail
 
-/// The sky of a panorama. Error is thrown for none: an indoor panorama has evidence < 0 and an empty mask.
+/// The sky of a panorama. Indoors evidence is below 0 and the mask empty.
 inline SkyMask find_sky(const Image& panorama) {
   const detail::SkyFeatures f(panorama);
   const std::size_t n = std::size_t(f.width) * f.height;
@@ -94,7 +94,9 @@ inline SkyMask find_sky(const Image& panorama) {
     const double up = f.elevation(y);
     for (int x = 0; x < f.width; ++x) {
       const std::size_t i = std::size_t(y) * f.width + x;
-      may[i] = up > -1.5 && (f.white[i] || (!f.green[i] && f.light[i] > ground[0] + 0.1));
+      // Lighter than the ground; or much bluer, as the dark side of a clear sky over a sunny street.
+      const bool blue = f.blue[i] > 0.15f && f.blue[i] > ground[1] + 0.5 && f.light[i] > ground[0] - 1.5;
+      may[i] = up > -1.5 && (f.white[i] || (!f.green[i] && (f.light[i] > ground[0] + 0.1 || blue)));
       sky[i] = may[i] && up > 60;
     }
   }
@@ -110,12 +112,15 @@ inline SkyMask find_sky(const Image& panorama) {
   out.evidence = (above[0] - ground[0]) + above[1] + 0.5 * (above[1] - ground[1]) - 1.15;
   if (area < 0.02) out.evidence = std::min(out.evidence, -1.0);
   if (out.evidence > 0) {
-    // Patches between branches and beyond buildings that the zenith is cut off from.
-    for (int y = 0; y < f.height; ++y) {
-      for (int x = 0; x < f.width; ++x) {
+    // Patches between branches that the zenith is cut off from: clipped, or like the sky that lies next above them.
+    for (int x = 0; x < f.width; ++x) {
+      std::size_t last = n;
+      for (int y = 0; y < f.height && f.elevation(y) > 2; ++y) {
         const std::size_t i = std::size_t(y) * f.width + x;
-        if (may[i] && f.elevation(y) > 2 && (f.white[i] || (f.light[i] > above[0] - 0.3 && f.blue[i] > above[1] - 0.3)))
-          sky[i] = 1;
+        if (may[i] && !sky[i])
+          sky[i] = f.white[i] || (last < n && std::fabs(f.light[i] - f.light[last]) < 0.15f &&
+                                  std::fabs(f.blue[i] - f.blue[last]) < 0.1f);
+        if (sky[i] && !f.white[i]) last = i;
       }
     }
     detail::grow_sky(f, may, sky);

@@ -30,7 +30,8 @@ struct Cutout {
     const int x0 = std::max(0, int(f.x0) - 4), y0 = std::max(0, int(f.y0) - 4),
               w = std::min(vehicle.width, int(f.x1) + 4) - x0, h = std::min(vehicle.height, int(f.y1) + 4) - y0;
     mask = cropped(vehicle, x0, y0, w, h), image = cropped(photo, x0, y0, w, h);
-    const float much = std::max(1.0f, std::min(float(w) / (1.5f * SightGrid::width), float(h) / (1.5f * SightGrid::height)));
+    const float much =
+        std::max(1.0f, std::min(float(w) / (1.5f * SightGrid::width), float(h) / (1.5f * SightGrid::height)));
     const int small_w = int(std::lround(float(w) / much)), small_h = int(std::lround(float(h) / much));
     if (much > 1) mask = resized(mask, small_w, small_h), image = resized(image, small_w, small_h);
     const float sx = float(mask.width) / float(w), sy = float(mask.height) / float(h);
@@ -132,7 +133,7 @@ inline Camera view_camera(const Box& box, float azimuth, float elevation, const 
   return c;
 }
 
-/// A model from all round.
+/// A model from all round. Error where a view shows nothing of it.
 inline DescribedViews describe_views(const Raycaster& scene, const ViewOptions& options = {}) {
   DescribedViews out;
   for (const float elevation : options.elevations)
@@ -142,7 +143,8 @@ inline DescribedViews describe_views(const Raycaster& scene, const ViewOptions& 
   const Box box = bounds(scene.mesh());
   parallel_for(out.size(), [&](int i) {
     const std::size_t k = std::size_t(i);
-    const std::vector<float> row = describe(scene.trace(view_camera(box, out.azimuth[k], out.elevation[k], options), 1));
+    const Camera camera = view_camera(box, out.azimuth[k], out.elevation[k], options);
+    const std::vector<float> row = describe(scene.trace(camera, 1));
     std::copy(row.begin(), row.end(), out.rows.begin() + std::ptrdiff_t(k * view_numbers));
   });
   return out;

@@ -1,11 +1,11 @@
 // burnish/twin/edges.h -- what can be seen of a vehicle inside its outline: edges and dark parts, of a photo and a mesh
 // SPDX-License-Identifier: Apache-2.0
 //
-// A photo and a CAD model share neither paint nor light. What they share is where things change (windows, wheels, lamps,
-// creases, seams) and which parts are dark (tyres, panes, what faces the ground). So both become the same few small
-// pictures: edge strength in four orientations, each edge weighed against those around it (as histograms of oriented
-// gradients are: Dalal and Triggs 2005) and blurred, so that what is near counts; and a tone. The outline itself is left
-// out: the mask knows it better.
+// A photo and a CAD model share neither paint nor light. What they share is where things change (windows, wheels,
+// lamps, creases, seams) and which parts are dark (tyres, panes, what faces the ground). So both become the same few
+// small pictures: edge strength in four orientations, each edge weighed against those around it (as histograms of
+// oriented gradients are: Dalal and Triggs 2005) and blurred, so that what is near counts; and a tone. The outline
+// itself is left out: the mask knows it better.
 #pragma once
 #include <burnish/scene/gbuffer.h>
 #include <burnish/twin/tones.h>
@@ -54,8 +54,8 @@ inline Mask blurred(const Mask& m, float sigma) {
   return out;
 }
 
-/// The gradient's share of each orientation: cos^2 of the angle to it where that is under a quarter turn's half, summing
-/// to 1.
+/// The gradient's share of each orientation: cos^2 of twice the angle between them where that is under an eighth turn,
+/// else none; they sum to 1.
 inline std::array<float, Appearance::orientations> share_of(float dx, float dy) {
   const float square = dx * dx + dy * dy;
   if (!(square > 0)) return {};

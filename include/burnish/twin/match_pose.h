@@ -19,7 +19,7 @@ struct MatchOptions {
   float edge_weight = 5;    ///< of the photo's edges against the outline; 0: the outline alone is refined
   bool keep_shape = true;   ///< false: what is found goes with a mesh that is stretched
   bool hidden = true;       ///< whether something may stand before the vehicle
-  float usual = 0.05f;      ///< see RefineOptions
+  float usual = 0.15f;      ///< see RefineOptions
   std::vector<float> tones = {};  ///< of the parts, see Tones; empty: as they are found
 };
 
@@ -33,12 +33,12 @@ struct PoseCandidate : MatchedPose {
 
 namespace detail {
 
-/// The logarithm of how likely it is to see that of the right pose rather than of a wrong one, as a logistic regression
-/// over views of one model matched by another tells; misfit first. The tone counts more than there, where most paints
-/// were dark. A little less than found, for a photo is less like a model than a model is.
+/// The logarithm of how likely it is to see that of the right pose rather than of a wrong one: a logistic regression
+/// over renderings of one model matched by another, with and without a bar before it. The tone counts more than there,
+/// where most paints were dark, and the roll less, for photos are held less straight.
 inline double score_of(double iou, const Agreement& a, const Pose<float>& p) {
   const double roll = double(p.roll) / 0.06;
-  return -3 * std::log(1.02 - iou) + 10 * a.edges + 2 * a.tone - 0.5 * roll * roll;
+  return -3.5 * std::log(1.02 - iou) + 13 * a.edges + 2 * a.tone - 0.5 * roll * roll;
 }
 
 /// Moves and sizes a pose so that the points' box is `want` (x0, y0, x1, y1), as seen in the window.
@@ -87,9 +87,9 @@ struct MatchLevel {
 };
 }  // namespace detail
 
-/// The poses in which the mesh looks most like the photo's vehicle, the best first: `keep` of them, no two within a sixth
-/// of a turn. photo: of the mask's size; of no size: by the mask alone. Error where the mask is empty. progress(done, of)
-/// is told.
+/// The poses in which the mesh looks most like the photo's vehicle, the best first: `keep` of them, no two within a
+/// sixth of a turn. photo: of the mask's size; of no size: by the mask alone. Error where the mask is empty.
+/// progress(done, of) is told.
 template <class Progress>
 std::vector<PoseCandidate> match_pose(const Raycaster& scene, const Mask& mask, const Image& photo,
                                       const MatchOptions& options, int keep, Progress progress) {
@@ -100,7 +100,12 @@ std::vector<PoseCandidate> match_pose(const Raycaster& scene, const Mask& mask, 
   const Mesh& mesh = scene.mesh();
   const MeshEdges edges(mesh);
   const Tones tones(mesh, options.tones);
-  RefineOptions refining{.fit_focal = options.fit_focal, .fit_shape = true, .hidden = options.hidden, .usual = options.usual, .usual_focal = options.focal, .tones = &tones};
+  const RefineOptions refining{.fit_focal = options.fit_focal,
+                               .fit_shape = true,
+                               .hidden = options.hidden,
+                               .usual = options.usual,
+                               .usual_focal = options.focal,
+                               .tones = &tones};
   const Box box = bounds(mesh);
   const vec3<float> size = box.size();
   std::vector<vec3<float>> points;
@@ -144,9 +149,11 @@ std::vector<PoseCandidate> match_pose(const Raycaster& scene, const Mask& mask, 
         chosen.push_back(v);
     views = chosen;
   };
-  const auto refine = [&](const MatchLevel& level, const EdgeField* field, int steps, int cost, bool only_place = false) {
+  const bool by_edges = photo.width && options.edge_weight > 0;
+  const auto refine = [&](const MatchLevel& level, const EdgeField& field, int steps, int cost,
+                          bool only_place = false) {
     PoseTarget target = level.target;
-    if (field && level.photo.width && options.edge_weight > 0) target.edges = field, target.edge_weight = options.edge_weight;
+    target.edges = by_edges ? &field : nullptr, target.edge_weight = options.edge_weight;
     RefineOptions how = refining;
     how.steps = steps;
     how.only_place = only_place;
@@ -158,12 +165,12 @@ std::vector<PoseCandidate> match_pose(const Raycaster& scene, const Mask& mask, 
     });
   };
   choose(0.1f, first);
-  refine(coarse, &coarse_edges, 14, 8);
+  refine(coarse, coarse_edges, 14, 8);
   choose(1.04f, second);
-  refine(fine, &fine_edges, 24, 40);
+  refine(fine, fine_edges, 24, 40);
   if (options.keep_shape) {
     for (PoseCandidate& v : views) v.stretch = {1, 1, 1};
-    refine(fine, &fine_edges, 8, 10, true);
+    refine(fine, fine_edges, 8, 10, true);
   } else {
     parallel_for(int(views.size()), [&](int i) {
       PoseCandidate& c = views[std::size_t(i)];

@@ -24,6 +24,7 @@ struct RetrieveOptions {
   std::vector<float> above = {0.1f, 0.22f, 0.36f, 0.5f};    ///< at the top or the bottom, of its height
   std::vector<float> corners = {0.35f, 0.55f};              ///< of width and height, in a corner of the box
   int candidates = 600;                                     ///< rows that are compared by what is known
+  float trust = 0.1f;                                       ///< against guesses that much is hidden: see known_cosines
   int refined = 20;                                         ///< models that the best guesses are moved for
   float step = 0.04f;                                       ///< by which they are moved
   float roll = 0.035f;                                      ///< rad, by which the photo is turned either way
@@ -94,7 +95,8 @@ private:
                     j = std::clamp(int((v + m) / (1 + 2 * m) * float(h)), 0, h - 1);
           const std::size_t at = std::size_t(j * w + i);
           if (g.kind == Guess::between) hidden = enclosed[at];
-          else hidden = (g.which & 1 ? 1 - u : u) < g.part && (g.which & 2 ? 1 - v : v) < g.part && plain.seen[at] < 0.5f;
+          else
+            hidden = (g.which & 1 ? 1 - u : u) < g.part && (g.which & 2 ? 1 - v : v) < g.part && plain.seen[at] < 0.5f;
         }
         // With what the border of it does to the edges near by.
         constexpr int r = 2;
@@ -136,7 +138,8 @@ inline std::vector<NearestModel> retrieve(std::span<const float> rows, std::span
   const auto compare = [&](const Guessed& guesses, std::span<const int> among) {
     std::vector<NearestModel> best;
     std::vector<int> guess;
-    const std::vector<Known> found = known_cosines(rows, view_numbers, among, guesses.numbers, guesses.known);
+    const std::vector<Known> found =
+        known_cosines(rows, view_numbers, among, guesses.numbers, guesses.known, options.trust);
     std::vector<int> place(first.size(), -1);
     for (std::size_t i = 0; i < among.size(); ++i) {
       const int m = model_of[std::size_t(among[i])];

@@ -9,6 +9,7 @@
 #include <array>
 #include <cmath>
 #include <span>
+#include <string>
 #include <vector>
 #include <burnish/ad/packet.h>
 #include <burnish/ad/parallel.h>
@@ -94,9 +95,11 @@ struct Known {
   float cosine = -2;
 };
 /// For each of the rows chosen its best query. known (as many as the queries have) says how far each number of a query
-/// is known, 0 to 1, and weighs both the query's and the row's numbers: what is not known counts on neither side.
+/// is known, 0 to 1, and weighs both the query's and the row's numbers: what is not known counts on neither side. With
+/// trust > 0 what a row has there speaks against it: the norm's part that is known, to the power of trust, is a factor.
 inline std::vector<Known> known_cosines(std::span<const float> rows, int columns, std::span<const int> chosen,
-                                        std::span<const float> queries, std::span<const float> known) {
+                                        std::span<const float> queries, std::span<const float> known,
+                                        float trust = 0) {
   detail::check_rows(rows, columns, queries);
   if (known.size() != queries.size())
     throw Error("search: queries of " + std::to_string(queries.size()) + " numbers, weights of " +
@@ -117,7 +120,8 @@ inline std::vector<Known> known_cosines(std::span<const float> rows, int columns
     for (float& v : squares) v *= v;
     for (std::size_t q = 0; q < asked; ++q) {
       const float norm = detail::dot_of(squares.data(), known.data() + q * step, columns);
-      const float c = norm > 0 ? detail::dot_of(row, weighted.data() + q * step, columns) / std::sqrt(norm) : -2;
+      const float along = detail::dot_of(row, weighted.data() + q * step, columns);
+      const float c = norm > 0 ? along / std::pow(norm, 0.5f * (1 - trust)) : -2.0f;
       if (c > out[std::size_t(i)].cosine) out[std::size_t(i)] = {int(q), c};
     }
   });

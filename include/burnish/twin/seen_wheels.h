@@ -44,7 +44,6 @@ inline std::vector<SeenWheel> wheel_places(const Mask& grey, const Mask& vehicle
                   y = int(e.y + radius * e.ry * sine[std::size_t(i)]);
         return m.at(std::clamp(x, 0, m.width - 1), std::clamp(y, 0, m.height - 1));
       };
-      SeenWheel best;
       for (e.y = box.y0 + 0.55f * h; e.y < box.y1 - 0.7f * e.ry; e.y += 2)
         for (e.x = box.x0 + 0.8f * e.rx; e.x < box.x1 - 0.8f * e.rx; e.x += 2) {
           float ring = 0, square = 0, inner = 0, below = 0, odds = 0;

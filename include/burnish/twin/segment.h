@@ -215,7 +215,10 @@ inline Cut cut_out(const CutWindow& window, std::optional<cv::Point> place) {
   std::vector<char> open(in.size());
   for (int i = 0; i < w * h; ++i) {
     in[std::size_t(i)] = core.at<std::uint8_t>(i / w, i % w) != 0;
-    open[std::size_t(i)] = reach.at<std::uint8_t>(i / w, i % w) && !in[std::size_t(i)];
+    const bool wheel = std::any_of(cut.wheels.begin(), cut.wheels.end(), [&](const SeenWheel& e) {
+      return e.contains(float(i % w) + 0.5f, float(i / w) + 0.5f);
+    });
+    open[std::size_t(i)] = (reach.at<std::uint8_t>(i / w, i % w) || wheel) && !in[std::size_t(i)];
   }
   in = star.by_pixels(sum(), std::move(in), open);
   cv::Mat smooth;
@@ -252,6 +255,25 @@ inline float steadiness(const Image& photo, const PixelBox& box) {
   return sum / 4;
 }
 }  // namespace detail
+
+/// A mask's piece at a place (the largest without one), holes filled; soft edges stay soft.
+inline Mask cleaned(const Mask& mask, std::optional<vec2<float>> place = {}) {
+  cv::Mat in(mask.height, mask.width, CV_8U);
+  for (int y = 0; y < mask.height; ++y)
+    for (int x = 0; x < mask.width; ++x) in.at<std::uint8_t>(y, x) = mask.at(x, y) > 0.5f ? 255 : 0;
+  std::optional<cv::Point> point;
+  if (place) point = cv::Point(int(place->x), int(place->y));
+  const cv::Mat piece = detail::one_piece(in, point);
+  cv::Mat near;
+  cv::dilate(piece, near, cv::Mat::ones(3, 3, CV_8U));
+  Mask out = mask;
+  for (int y = 0; y < mask.height; ++y)
+    for (int x = 0; x < mask.width; ++x) {
+      if (!near.at<std::uint8_t>(y, x)) out.at(x, y) = 0;
+      else if (piece.at<std::uint8_t>(y, x) && mask.at(x, y) <= 0.5f) out.at(x, y) = 1;
+    }
+  return out;
+}
 
 /// The vehicle in a box. The mask is empty where nothing in the box stands out.
 inline Segmented segment(const Image& photo, const PixelBox& box, const SegmentOptions& options = {}) {

@@ -93,7 +93,9 @@ private:
         for (int k = int(std::ceil(center - reach)); k <= int(std::floor(center + reach)); ++k) {
           const float weight = std::max(0.0f, 1 - std::abs(float(k) - center) / reach);
           sum += weight;
-          if (k >= 0 && k < old && weight > 0) at.emplace_back(k, weight), low = std::min(low, k), high = std::max(high, k + 1);
+          if (k < 0 || k >= old || !(weight > 0)) continue;
+          at.emplace_back(k, weight);
+          low = std::min(low, k), high = std::max(high, k + 1);
         }
         for (auto& tap : at) tap.second /= sum;
       }
@@ -190,7 +192,7 @@ inline Described numbers_of(const Sight& sight, const std::vector<bool>& unknown
   using G = SightGrid;
   constexpr int w = G::width, h = G::height;
   const Floats& seen = sight.seen;
-  std::vector<float> cells(std::size_t(G::edge_numbers)), open(std::size_t(G::across * G::down)), all(open.size());
+  std::vector<float> cells(std::size_t{G::edge_numbers}), open(std::size_t{G::across * G::down}), all(open.size());
   const auto spread = [&](int x, int y, auto add) {
     const float cx = (float(x) + 0.5f) / float(w) * float(G::across) - 0.5f,
                 cy = (float(y) + 0.5f) / float(h) * float(G::down) - 0.5f;
@@ -241,7 +243,7 @@ inline Described numbers_of(const Sight& sight, const std::vector<bool>& unknown
     known[i] = open[i / G::directions] / all[i / G::directions];
   append(cells, known, weights.edges);
 
-  std::vector<float> covered(std::size_t(G::mask_across * G::mask_down)), sure(covered.size()), total(covered.size());
+  std::vector<float> covered(std::size_t{G::mask_across * G::mask_down}), sure(covered.size()), total(covered.size());
   for (int y = 0; y < h; ++y)
     for (int x = 0; x < w; ++x) {
       const std::size_t i = std::size_t(y * w + x),
@@ -253,7 +255,7 @@ inline Described numbers_of(const Sight& sight, const std::vector<bool>& unknown
   for (std::size_t i = 0; i < covered.size(); ++i) covered[i] /= total[i], sure[i] /= total[i];
   append(covered, sure, weights.mask);
 
-  std::vector<float> shape(std::size_t(G::shapes));
+  std::vector<float> shape(std::size_t{G::shapes});
   const float ratio = std::log2(sight.ratio);
   for (int i = 0; i < G::shapes; ++i) {
     const float off = (ratio - (-0.75f + 3.0f * float(i) / float(G::shapes - 1))) / 0.2f;

@@ -47,8 +47,10 @@ public:
     std::vector<float> gain(std::size_t(pieces.count), 0);
     for (int p = 0; p < w * h; ++p) {
       const vec2<float> at = place(p);
-      gain[std::size_t(label(p))] += box.contains(at.x, at.y) ? odds.values[std::size_t(p)] : -100.0f;
+      if (box.contains(at.x, at.y)) gain[std::size_t(label(p))] += odds.values[std::size_t(p)];
     }
+    for (std::size_t k = 0; k < gain.size(); ++k)
+      if (!box.contains(center[k].x, center[k].y)) gain[k] = -1e6f;
     if (keep >= 0) gain[std::size_t(label(keep))] = 1e6f;
     MinimumCut graph(pieces.count);
     for (int k = 0; k < pieces.count; ++k) graph.node(k, 0, gain[std::size_t(k)]);

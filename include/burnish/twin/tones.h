@@ -8,19 +8,21 @@
 namespace burnish {
 
 /// A tone is -1 for black, 0 for the paint, above 0 for what is brighter. What a part's name and opacity tell comes
-/// first, then whether a place is on a wheel, then the file's colours and textures against those of most of the vehicle.
+/// first, then whether a place is on a wheel, then the file's colours and textures against those of most of the
+/// vehicle.
 class Tones {
 public:
   /// given: a tone for every part, which outweighs all else; empty: none. The mesh stays with the caller.
   explicit Tones(const Mesh& m, const std::vector<float>& given = {}) : mesh(&m), of_part(given) {
     if (!given.empty()) return;
-    for (const Part& p : m.parts) of_part.push_back(told(p));
+    bool painted = false;  // whether the paint is told
+    for (const Part& p : m.parts) of_part.push_back(told(p)), painted = painted || of_part.back() == paint;
     wheels = find_wheels(m);
-    std::vector<std::pair<float, float>> shades;  // luminance and area of what nothing is told of
+    std::vector<std::pair<float, float>> shades;  // luminance and area of the paint, or of what nothing is told of
     float all = 0;
     for (std::size_t t = 0; t < m.triangles.size(); t += 1 + m.triangles.size() / 20000) {
       const Part& p = m.parts[std::size_t(m.part[t])];
-      if (of_part[std::size_t(m.part[t])] < untold) continue;
+      if (of_part[std::size_t(m.part[t])] != (painted ? paint : untold)) continue;
       const auto& [a, b, c] = m.triangles[t];
       const vec2<float> uv((m.uvs[std::size_t(a)].x + m.uvs[std::size_t(b)].x + m.uvs[std::size_t(c)].x) / 3,
                            (m.uvs[std::size_t(a)].y + m.uvs[std::size_t(b)].y + m.uvs[std::size_t(c)].y) / 3);
@@ -48,7 +50,7 @@ public:
   }
 
 private:
-  static constexpr float untold = 1;
+  static constexpr float paint = 0, bright = 0.05f, untold = 1;
   const Mesh* mesh;
   std::vector<float> of_part;
   std::vector<Wheel> wheels;
@@ -60,12 +62,12 @@ private:
     if (!h.any()) h = name_hints(p.name);
     if (h.tyre) return -1;
     if (!h.lamp && (h.glass || p.opacity < 0.75f)) return -0.8f;
-    if (h.rim || h.lamp) return 0;
+    if (h.rim || h.lamp) return bright;
     if (h.wheel) return -0.6f;
     const std::string words = detail::words_of(p);
     for (const char* dark : {"black", "interi", "interna", "under", "grill", "exhaust", "seat", "plastic", "shadow"})
       if (words.find(dark) != words.npos) return -0.8f;
-    return h.paint ? 0.0f : untold;
+    return h.paint ? paint : untold;
   }
 };
 
