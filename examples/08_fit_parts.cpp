@@ -4,8 +4,7 @@
 // As 04_fit_material, with a third loss: the pattern of every part, as Gram matrices of features (fit/gram.h), which
 // need not lie on the photo's pixels. The features are a bank of filters, or a network's of VGG's kind from a file.
 #include <burnish/fit/vgg.h>
-#include <burnish/io/npy.h>
-#include <burnish/io/safetensors.h>
+#include <burnish/io/computed.h>
 #include "fit_parts.h"
 #include "fit_report.h"
 #include "pattern.h"
@@ -28,10 +27,8 @@ struct Options : street::Options {
 fitting::MoreLoss pattern_of(const Options& o) {
   if (o.gram == 0) return {};
   if (o.features == "bank") return fitting::pattern(FilterBank{}, o.gram, std::max(1, o.every));
-  const bool npz = o.features.size() > 4 && o.features.substr(o.features.size() - 4) == ".npz";
-  const NamedTensors weights = npz ? read_npz(o.features) : read_safetensors(o.features);
-  return fitting::pattern(Vgg(weights, o.features, o.pooling == "max" ? Pooling::max : Pooling::average), o.gram,
-                          o.every > 0 ? o.every : 10);
+  const Pooling pooling = o.pooling == "max" ? Pooling::max : Pooling::average;
+  return fitting::pattern(Vgg(read_tensors(o.features), o.features, pooling), o.gram, o.every > 0 ? o.every : 10);
 }
 
 /// By labels as --parts has them, of the model as the photo's camera sees it; what lies on no label is other.

@@ -56,7 +56,7 @@ grep -q "known *without *with" <<<"$log" || fail "no table of the known paint"
 # ---- what it refuses: one line, exit 2, nothing written
 refuses "none.safetensors: no such file" --features none.safetensors
 refuses "net_by_name.safetensors: found no convolution" --features net_by_name.safetensors
-refuses "parts.pgm: ends within its header" --features parts.pgm
+refuses "parts.pgm: expected a .npy, .npz or .safetensors" --features parts.pgm
 refuses "none.pgm: no such file" --model-parts none.pgm
 refuses "none.json: no such file" --known none.json
 refuses "--pooling" --pooling median

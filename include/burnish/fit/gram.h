@@ -182,7 +182,7 @@ template <class T> double gram_loss(const std::vector<FeatureLayer<T>>& layers, 
 /// 1 where the mask is whole (above 0.99) in all of the square that reaches `radius` pixels to every side, else 0.
 /// Pixels at a part's border are mixed with what is behind, in a photo otherwise than in a picture of one sample a pixel.
 inline Mask eroded(const Mask& mask, int radius) {
-  Mask across(mask.width, mask.height), out = across;
+  Mask across = mask, out = mask;
   const auto all = [&](const Mask& from, int x, int y, int dx, int dy) {
     for (int k = -radius; k <= radius; ++k) {
       const int i = x + k * dx, j = y + k * dy;

@@ -175,12 +175,8 @@ void Vgg::convolve(const Weights& weight, const float* bias, const FeatureMap<T>
             const int first = std::clamp(-dx - x0, 0, n);
             const int last = y < 0 || y >= h ? first : std::clamp(w - dx - x0, first, n);
             T* const row = out + i;
-            std::fill(row, row + first, T(0));
-            if (last > first) {
-              const T* const line = from.plane(c) + Eigen::Index(y) * w + x0 + dx;
-              std::copy(line + first, line + last, row + first);
-            }
-            std::fill(row + last, row + n, T(0));
+            const T* const line = from.plane(c) + (last > first ? Eigen::Index(y) * w + x0 + dx : 0);
+            for (int x = 0; x < n; ++x) row[x] = x < first || x >= last ? T(0) : line[x];
             i += n;
           }
         }
