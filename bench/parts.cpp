@@ -1,10 +1,11 @@
 // bench/parts.cpp -- how much of what is seen of vehicles is given its right kind: wheels, windows, body
 // SPDX-License-Identifier: Apache-2.0
 //
-// bench_parts [FOLDER [HIDE]]: the vehicles of bench/data/parts_truth.tsv, which lie under FOLDER or in the archives of
-// sweethome3d-furniture. The truth was written by hand from names and pictures: file, material or material[part], kind;
-// "-": the material is of several kinds or it is a matter of taste, not counted (trim: may be body or other). Twice: with names,
-// and with all names hidden. Right: of the pixels of a class in views all round, those whose part has that class.
+// bench_parts [FOLDER]: the vehicles of bench/data/parts_truth.tsv, which lie under FOLDER or in the archives of
+// sweethome3d-furniture. The truth was written by hand from names and pictures: file, material or material[part],
+// kind; "-" where a material is of several kinds: not counted; trim where it is a matter of taste: may be body or
+// other. Each vehicle twice: with names, and with all names hidden. Right: of the pixels of a class in views all round,
+// those whose part has that class. False: of all pixels, those of other things that were called wheel, window or body.
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
@@ -69,7 +70,8 @@ int main(int argc, char** argv) {
     for (const auto& [file, rows] : truth) {
       std::string path = folder + "/" + file;
       if (file.find(".sh3f:") != std::string::npos) path = "/usr/share/sweethome3d/furniture/" + file;
-      if (!std::filesystem::exists(path.substr(0, path.find(".sh3f:") == std::string::npos ? path.size() : path.find(".sh3f:") + 5))) {
+      if (!std::filesystem::exists(
+              path.substr(0, path.find(".sh3f:") == std::string::npos ? path.size() : path.find(".sh3f:") + 5))) {
         std::printf("%-58s not there\n", file.c_str());
         continue;
       }
@@ -78,9 +80,12 @@ int main(int argc, char** argv) {
       for (int specific : {0, 1})
         for (const Row& r : rows) {
           const GivenKind g = detail::given_kind(r.key, "body", file);
-          const int c = r.kind == "-" ? -1 : r.kind == "trim" ? -2 : class_of(detail::given_kind(r.key, r.kind, file).kind);
+          const int c = r.kind == "-"      ? -1
+                        : r.kind == "trim" ? -2
+                                           : class_of(detail::given_kind(r.key, r.kind, file).kind);
           for (std::size_t p = 0; p < mesh.parts.size(); ++p)
-            if ((g.part >= 0) == (specific == 1) && (g.part < 0 || g.part == int(p)) && mesh.parts[p].material == g.material)
+            if ((g.part >= 0) == (specific == 1) && (g.part < 0 || g.part == int(p)) &&
+                mesh.parts[p].material == g.material)
               wanted[p] = c;
         }
       const std::size_t before = mesh.parts.size();
@@ -119,9 +124,10 @@ int main(int argc, char** argv) {
       std::printf("%s: ", h ? "names hidden" : "with names");
       const char* names[] = {"wheels", "windows", "body"};
       for (std::size_t c = 0; c < 3; ++c)
-        std::printf("%s %.1f %% of the area, 90 %% on %d of %d vehicles; ", names[c], 100 * s.right[c] / std::max(s.seen[c], 1e-9),
-                    good[std::size_t(h)][c], had[c]);
-      std::printf("all three on %d of %d; false claims %.1f %%\n", good[std::size_t(h)][3], had[3], 100 * s.claimed / std::max(s.all, 1.0));
+        std::printf("%s %.1f %% of the area, 90 %% on %d of %d vehicles; ", names[c],
+                    100 * s.right[c] / std::max(s.seen[c], 1e-9), good[std::size_t(h)][c], had[c]);
+      std::printf("all three on %d of %d; false claims %.1f %%\n", good[std::size_t(h)][3], had[3],
+                  100 * s.claimed / std::max(s.all, 1.0));
     }
   } catch (const std::exception& e) {
     std::fprintf(stderr, "bench_parts: %s\n", e.what());

@@ -2,20 +2,18 @@
 // a fifth
 // SPDX-License-Identifier: Apache-2.0
 //
-// bench_retrieval LIST [queries a vehicle] [folder for pictures]. LIST: a text file, one vehicle a line, its path as
-// io/mesh.h reads it, a tab, its body type.
+// bench_retrieval LIST [queries a vehicle] [seed] [PHOTOS]. LIST: a text file, one vehicle a line: its path as
+// io/mesh.h reads it, a tab, its body type. PHOTOS: one photo a line: its path, a tab, its mask, a tab, the body type.
 #include <unistd.h>
 #include <chrono>
 #include <cstdio>
-#include <filesystem>
 #include <fstream>
 #include <map>
 #include <random>
 #include <burnish/io/mesh.h>
 #include <burnish/io/photo.h>
 #include <burnish/scene/raycast.h>
-#include <burnish/twin/describe.h>
-#include <burnish/twin/search.h>
+#include <burnish/twin/retrieve.h>
 
 using namespace burnish;
 
@@ -39,8 +37,8 @@ struct Query {
   bool cut = false;  // whether what hides it reaches over the mask's box
 };
 
-/// A picture of the vehicle: paint, glass and rubber by the parts' names where those tell (always = false), else one
-/// paint all over; a sun and a sky with a horizon, shadows; hidden by a bar or a block that covers a fifth of it.
+/// A picture of the vehicle: paint, glass and rubber by the parts' names in seven of ten, else one paint all
+/// over; a sun and a sky with a horizon, shadows; hidden by a bar or a block that covers a fifth of it.
 Query picture(const Raycaster& scene, Random& random) {
   const Box box = bounds(scene.mesh());
   Pose<float> pose;
@@ -74,12 +72,14 @@ Query picture(const Raycaster& scene, Random& random) {
     if (!by_parts) continue;
     if (has({"glass", "window", "windsh", "glas_", "vitre"}) || p.opacity < 0.9f)
       diffuse.back() = vec3<float>(0.01f), gloss.back() = 0.08f;
-    else if (has({"tire", "tyre", "rubber", "wheel", "pneu"})) diffuse.back() = vec3<float>(0.03f), gloss.back() = 0.01f;
+    else if (has({"tire", "tyre", "rubber", "wheel", "pneu"}))
+      diffuse.back() = vec3<float>(0.03f), gloss.back() = 0.01f;
     else if (has({"light", "lamp", "chrome", "rim", "optic"})) diffuse.back() = vec3<float>(0.4f), gloss.back() = 0.3f;
     else if (has({"black", "plastic", "interior", "seat"})) diffuse.back() = vec3<float>(0.04f);
   }
   // Light.
-  const float sun_azimuth = random(-pi, pi), sun_height = random(0.25f, 1.3f), sun = random(0, 1) < 0.3f ? 0 : random(0.5f, 2.0f);
+  const float sun_azimuth = random(-pi, pi), sun_height = random(0.25f, 1.3f),
+              sun = random(0, 1) < 0.3f ? 0 : random(0.5f, 2.0f);
   const vec3<float> to_sun(std::cos(sun_height) * std::cos(sun_azimuth), std::sin(sun_height),
                            std::cos(sun_height) * std::sin(sun_azimuth));
   const vec3<float> sky(random(0.3f, 0.6f), random(0.4f, 0.7f), random(0.5f, 1.0f)), ground(random(0.05f, 0.3f));
@@ -154,24 +154,25 @@ Query picture(const Raycaster& scene, Random& random) {
 
 int main(int argc, char** argv) {
   if (argc < 2) {
-    std::fprintf(stderr, "bench_retrieval LIST [queries a vehicle] [folder for pictures]\n");
+    std::fprintf(stderr, "bench_retrieval LIST [queries a vehicle] [seed] [PHOTOS]\n");
     return 2;
   }
   const int queries = argc > 2 ? std::atoi(argv[2]) : 4;
-  const std::string folder = argc > 3 ? argv[3] : "";
+  const unsigned seed = argc > 3 ? unsigned(std::atoi(argv[3])) : 77u;
   std::vector<Vehicle> vehicles;
   std::ifstream list(argv[1]);
   for (std::string line; std::getline(list, line);) {
     const std::size_t tab = line.find('\t');
     if (line.empty()) continue;
     const std::string path = line.substr(0, tab);
-    vehicles.push_back({path, path.substr(path.find_last_of("/:") + 1), tab == line.npos ? "" : line.substr(tab + 1)});
+    const std::string name = path.substr(path.find_last_of("/:", path.find_last_of("/:") - 1) + 1);
+    vehicles.push_back({path, name, tab == line.npos ? "" : line.substr(tab + 1)});
   }
-  std::vector<float> rows;
+  std::vector<float> rows, azimuth;
   std::vector<int> first{0};
   std::vector<Vehicle> indexed;
   std::vector<std::pair<int, Query>> asked;
-  double reading = 0, viewing = 0, asking = 0, searching = 0;
+  double reading = 0, viewing = 0, asking = 0;
   for (std::size_t i = 0; i < vehicles.size(); ++i) {
     try {
       const double t0 = seconds();
@@ -180,18 +181,12 @@ int main(int argc, char** argv) {
       const DescribedViews views = describe_views(scene);
       const double t2 = seconds();
       reading += t1 - t0, viewing += t2 - t1;
-      if (isatty(2)) std::fprintf(stderr, "\r%zu of %zu: %s, %zu triangles\033[K", i + 1, vehicles.size(), vehicles[i].name.c_str(),
-                   scene.mesh().triangles.size());
+      if (isatty(2)) std::fprintf(stderr, "\r%zu of %zu: %s\033[K", i + 1, vehicles.size(), vehicles[i].name.c_str());
       rows.insert(rows.end(), views.rows.begin(), views.rows.end());
+      azimuth.insert(azimuth.end(), views.azimuth.begin(), views.azimuth.end());
       first.push_back(int(rows.size() / view_numbers));
-      Random random(unsigned(77 + i));
-      for (int k = 0; k < queries; ++k) {
-        asked.emplace_back(int(indexed.size()), picture(scene, random));
-        if (!folder.empty() && k == 0) {
-          const Query& q = asked.back().second;
-          write_png(folder + "/" + vehicles[i].name + "_" + std::to_string(i) + ".png", q.photo);
-        }
-      }
+      Random random(seed + unsigned(i));
+      for (int k = 0; k < queries; ++k) asked.emplace_back(int(indexed.size()), picture(scene, random));
       indexed.push_back(vehicles[i]);
     } catch (const std::exception& e) {
       std::printf("left out: %s\n", e.what());
@@ -206,26 +201,48 @@ int main(int argc, char** argv) {
   std::map<std::string, int> confused;
   for (const auto& [truth, q] : asked) {
     const double t0 = seconds();
-    const std::vector<float> query = describe(q.mask, q.photo);
-    const double t1 = seconds();
-    const auto found = nearest_models(rows, view_numbers, first, query, 5);
-    asking += t1 - t0, searching += seconds() - t1;
+    const auto found = retrieve(rows, first, q.mask, q.photo, 5);
+    asking += seconds() - t0;
     Count& count = q.cut ? cut : kept;
     ++count.all, count.top1 += found[0].model == truth;
     bool in = false;
     for (const NearestModel& m : found) in = in || m.model == truth;
     count.top5 += in;
     if (found[0].model != truth)
-      ++confused[indexed[std::size_t(truth)].name + " -> " + indexed[std::size_t(found[0].model)].name + (in ? "" : "  (not in 5)")];
+      ++confused[indexed[std::size_t(truth)].name + " -> " + indexed[std::size_t(found[0].model)].name +
+                 (in ? "" : "  (not in 5)")];
   }
   const int all = int(asked.size());
   for (const auto& [pair, count] : confused) std::printf("%3d  %s\n", count, pair.c_str());
   const auto say = [](const char* what, const Count& c) {
-    std::printf("%-22s top-1 %d of %d (%.1f %%), top-5 %d (%.1f %%)\n", what, c.top1, c.all, 100.0 * c.top1 / c.all,
-                c.top5, 100.0 * c.top5 / c.all);
+    if (c.all > 0)
+      std::printf("%-22s top-1 %d of %d (%.1f %%), top-5 %d (%.1f %%)\n", what, c.top1, c.all,
+                  100.0 * c.top1 / c.all, c.top5, 100.0 * c.top5 / c.all);
   };
   say("hidden amid its box:", kept), say("its box cut:", cut);
   say("all:", {all, kept.top1 + cut.top1, kept.top5 + cut.top5});
-  std::printf("a query: described in %.4f s, searched in %.4f s\n", asking / all, searching / all);
+  if (all > 0) std::printf("%.3f s a query\n", asking / all);
+
+  int right = 0, photos = 0;
+  std::ifstream shown(argc > 4 ? argv[4] : "");
+  for (std::string line; std::getline(shown, line);) {
+    const std::size_t tab = line.find('\t'), second = line.find('\t', tab + 1);
+    if (second == line.npos) continue;
+    const std::string path = line.substr(0, tab), body = line.substr(second + 1);
+    const Image photo = read_photo(path);
+    const Mask mask = read_mask(line.substr(tab + 1, second - tab - 1), photo.width, photo.height);
+    const auto found = retrieve(rows, first, mask, photo, 5);
+    bool in = false;
+    std::printf("%s (%s):", path.substr(path.find_last_of('/') + 1).c_str(), body.c_str());
+    for (std::size_t i = 0; i < found.size(); ++i) {
+      const Vehicle& v = indexed[std::size_t(found[i].model)];
+      if (i < 3) in = in || v.body == body;
+      std::printf("  %s (%s, %.3f, %.0f degrees)", v.name.c_str(), v.body.c_str(), double(found[i].cosine),
+                  double(57.2958f * azimuth[std::size_t(found[i].row)]));
+    }
+    std::printf("%s\n", in ? "" : "  NOT IN 3");
+    right += in, ++photos;
+  }
+  if (photos > 0) std::printf("photos: body type right in the top 3: %d of %d\n", right, photos);
   return 0;
 }

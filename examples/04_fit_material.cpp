@@ -5,7 +5,6 @@
 // gathered for every pixel (once); then render, compare with the photo, go back, step, 300 times; at the end pictures
 // and files.
 #include <CLI/CLI.hpp>
-#include <burnish/burnish.h>
 #include "fit_parts.h"
 #include "fit_report.h"
 

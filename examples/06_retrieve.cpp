@@ -5,6 +5,7 @@
 // (twin/describe.h). The photo's mask and edges are described alike, and the nearest views found (twin/search.h).
 #include <CLI/CLI.hpp>
 #include <burnish/io/build_library.h>
+#include <burnish/io/embeddings.h>
 #include <burnish/io/photo.h>
 #include <burnish/twin/search.h>
 #include "cards.h"
@@ -15,7 +16,8 @@ using namespace burnish;
 namespace {
 struct Options {
   std::string photo = "/usr/share/darknet/data/dog.jpg", mask, index, output = "burnish-retrieve";
-  std::vector<std::string> folders, accept, refuse;
+  std::string by = "views", query;
+  std::vector<std::string> folders, accept, refuse, spaces;
   int top = 8, workers = 0;
   double seconds = 60;
   std::size_t megabytes = 4096;
@@ -63,7 +65,8 @@ Image crop_of(const Image& photo, const Mask& mask, int width, int height) {
   int x0 = photo.width, y0 = photo.height, x1 = 0, y1 = 0;
   for (int y = 0; y < photo.height; ++y)
     for (int x = 0; x < photo.width; ++x)
-      if (mask.at(x, y) > 0.5f) x0 = std::min(x0, x), x1 = std::max(x1, x + 1), y0 = std::min(y0, y), y1 = std::max(y1, y + 1);
+      if (mask.at(x, y) > 0.5f)
+        x0 = std::min(x0, x), x1 = std::max(x1, x + 1), y0 = std::min(y0, y), y1 = std::max(y1, y + 1);
   const double scale = std::max(1.12 * (x1 - x0) / width, 1.12 * (y1 - y0) / height);
   const int w = std::max(1, int(width * scale)), h = std::max(1, int(height * scale));
   const int x = (x0 + x1 - w) / 2, y = (y0 + y1 - h) / 2;
@@ -91,8 +94,8 @@ LibraryBuild build(const Options& o, const std::string& index) {
   for (const std::string& n : b.notes) std::printf("  %s\n", n.c_str());
   const Library& l = b.library;
   char text[200];
-  std::snprintf(text, sizeof text, "%d files read now, %.2f s each; %d of %d known before", b.done,
-                b.done > 0 ? b.seconds / b.done : 0.0, b.found - b.done - b.left, b.found);
+  std::snprintf(text, sizeof text, "%d files read now, %.2f s each; %d known before", b.done,
+                b.done > 0 ? b.seconds / b.done : 0.0, int(l.entries.size()) - b.done);
   bar.finish(text);
   std::printf("%-14s %s: %d vehicles indexed, %d refused, %d duplicates, %d failed%s\n", "", index.c_str(),
               l.count(LibraryStatus::indexed), l.count(LibraryStatus::refused), l.count(LibraryStatus::duplicate),
@@ -111,8 +114,22 @@ int run(Options o) {
   Image photo;
   Mask mask;
   std::vector<float> query;
-  if (!o.index_only) {
-    if (o.mask.empty() && o.photo == Options().photo) o.mask = std::string(BURNISH_EXAMPLES_DATA) + "/dog_pickup.mask.png";
+  std::vector<std::pair<std::string, std::string>> spaces;  // name, file
+  for (const std::string& s : o.spaces) {
+    const std::size_t equals = s.find('=');
+    if (equals == std::string::npos) throw Error("--space " + s + ": expected name=file");
+    spaces.emplace_back(s.substr(0, equals), s.substr(equals + 1));
+    read_embeddings(spaces.back().second);
+  }
+  if (!o.index_only && o.by != "views") {
+    if (o.query.empty()) throw Error("--query is missing: which vector of the space " + o.by + " is looked for?");
+    Embeddings e = read_embeddings(o.query);
+    if (e.vectors.shape[0] != 1) throw Error(o.query + ": several rows, expected one");
+    query = std::move(e.vectors.values);
+    normalise_rows(query, int(query.size()));
+  } else if (!o.index_only) {
+    if (o.mask.empty() && o.photo == Options().photo)
+      o.mask = std::string(BURNISH_EXAMPLES_DATA) + "/dog_pickup.mask.png";
     if (o.mask.empty()) throw Error("--mask is missing: which pixels of " + o.photo + " are the vehicle?");
     photo = read_photo(o.photo), mask = read_mask(o.mask, photo.width, photo.height);
     try {
@@ -127,12 +144,18 @@ int run(Options o) {
   if (std::filesystem::exists(o.index)) read_library(o.index);
   check_writable(o.output);
   catch_interrupt();
-  const LibraryBuild built = build(o, o.index);
-  const Library& library = built.library;
+  LibraryBuild built = build(o, o.index);
+  Library library = std::move(built.library);
   if (interrupted) {
     std::printf("Stopped: %d files are left; the same command goes on.\n", built.left);
     return 130;
   }
+  for (const auto& [name, file] : spaces) {
+    const int strange = add_space(library, name, read_embeddings(file), file);
+    std::printf("%-14s space %s: %d rows, %d of no vehicle here\n", "", name.c_str(), library.spaces[name].rows(),
+                strange);
+  }
+  if (!spaces.empty()) write_library(o.index, library);
   if (o.report) {
     std::fputs(refusals(library).c_str(), stdout);
     write_text(o.output + "/refused.txt", refusals(library));
@@ -141,26 +164,39 @@ int run(Options o) {
                 o.output.c_str());
   }
   if (o.index_only) return 0;
-  const auto space = library.spaces.find("views");
+  const auto space = library.spaces.find(o.by);
   if (space == library.spaces.end() || space->second.rows() == 0)
-    throw Error(o.index + ": no vehicle is indexed, expected some; --report says why");
+    throw Error(o.index + (o.by == "views" ? ": no vehicle is indexed, expected some; --report says why"
+                                           : ": has no space " + o.by + "; --space " + o.by + "=FILE adds one"));
+  if (int(query.size()) != space->second.columns)
+    throw Error(o.query + ": " + std::to_string(query.size()) + " numbers, the space " + o.by + " has " +
+                std::to_string(space->second.columns));
   const std::vector<int> first = first_rows(library, space->second);
   Progress search("search");
   const auto found = nearest_models(space->second.values, space->second.columns, first, query, o.top);
-  search.finish(std::to_string(space->second.rows()) + " views of " +
+  search.finish(std::to_string(space->second.rows()) + " rows of " +
                 std::to_string(library.count(LibraryStatus::indexed)) + " vehicles");
 
   constexpr int width = 300, height = 200;
-  std::vector<Card> cards{{crop_of(photo, mask, width, height), "photo", std::filesystem::path(o.photo).filename().string()}};
-  nlohmann::ordered_json result = {{"photo", o.photo}, {"mask", o.mask}, {"index", o.index}, {"found", nlohmann::ordered_json::array()}};
+  std::vector<Card> cards;
+  nlohmann::ordered_json result = {{"index", o.index}, {"by", o.by}};
+  if (o.by == "views") {
+    cards.push_back({crop_of(photo, mask, width, height), "photo", std::filesystem::path(o.photo).filename().string()});
+    result["photo"] = o.photo, result["mask"] = o.mask;
+  } else result["query"] = o.query;
+  const bool views = !space->second.azimuth.empty();
   Progress drawing("draw");
   for (std::size_t k = 0; k < found.size() && !interrupted; ++k) {
     const NearestModel& f = found[k];
     const LibraryEntry& e = library.entries[std::size_t(f.model)];
-    const float azimuth = space->second.azimuth[std::size_t(f.row)], elevation = space->second.elevation[std::size_t(f.row)];
-    std::printf("%2zu  cosine %.4f  from %4.0f degrees  %s\n", k + 1, double(f.cosine), degrees(azimuth), e.path.c_str());
-    result["found"].push_back({{"name", e.name}, {"file", e.path}, {"cosine", f.cosine},
-                               {"azimuth", azimuth}, {"elevation", elevation}, {"length", e.size.x}});
+    const float azimuth = views ? space->second.azimuth[std::size_t(f.row)] : 0.6f,
+                elevation = views ? space->second.elevation[std::size_t(f.row)] : 0.2f;
+    std::printf("%2zu  cosine %.4f  ", k + 1, double(f.cosine));
+    if (views) std::printf("from %4.0f degrees  ", degrees(azimuth));
+    std::printf("%s\n", e.path.c_str());
+    nlohmann::ordered_json j = {{"name", e.name}, {"file", e.path}, {"cosine", f.cosine}, {"length", e.size.x}};
+    if (views) j["azimuth"] = azimuth, j["elevation"] = elevation;
+    result["found"].push_back(std::move(j));
     char text[80];
     std::snprintf(text, sizeof text, "%zu   cosine %.3f", k + 1, double(f.cosine));
     Image picture(width, height, {1, 1, 1});
@@ -173,9 +209,10 @@ int run(Options o) {
     cards.push_back({std::move(picture), e.name, text});
     drawing.show(int(k) + 1, int(found.size()));
   }
-  drawing.finish(std::to_string(cards.size() - 1) + " vehicles");
+  drawing.finish(std::to_string(found.size()) + " vehicles");
   write_png(o.output + "/retrieved.png", card_sheet(cards, 3));
-  write_text(o.output + "/result.json", result.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n");
+  write_text(o.output + "/result.json",
+             result.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n");
   std::printf("\nDone after %.1f s. %s/retrieved.png shows it, %s/result.json has the numbers.\n", whole.seconds(),
               o.output.c_str(), o.output.c_str());
   return 0;
@@ -184,25 +221,39 @@ int run(Options o) {
 
 int main(int argc, char** argv) {
   Options o;
-  CLI::App app{"Finds the CAD vehicles that look most like the one in a photo.\n\n"
-               "  06_retrieve --library cars more-cars.zip --photo street.jpg --mask car.png --output found\n\n"
-               "The index is built on the way, each file once; Ctrl-C keeps what is done. Without arguments: a pickup in\n"
-               "a street, among Sweet Home 3D's vehicles."};
+  CLI::App app{
+      "Finds the CAD vehicles that look most like the one in a photo.\n\n"
+      "  06_retrieve --library cars more-cars.zip --photo street.jpg --mask car.png --output found\n\n"
+      "The index is built on the way, each file once; Ctrl-C keeps what is done. Without arguments: a pickup in\n"
+      "a street, among Sweet Home 3D's vehicles."};
   app.option_defaults()->take_last();
-  app.add_option("--library", o.folders, "folders with vehicle files and zip archives; none: the index as it is")->take_all();
+  app.add_option("--library", o.folders, "folders with vehicle files and zip archives; none: the index as it is")
+      ->take_all();
   app.add_option("--index", o.index, "the index; if not given, library.safetensors in the output folder");
   app.add_option("--photo", o.photo, "any format OpenImageIO reads");
   app.add_option("--mask", o.mask, "the vehicle in the photo: white, same size");
   app.add_option("--top", o.top, "how many are shown")->check(CLI::Range(1, 1000))->capture_default_str();
   app.add_flag("--index-only", o.index_only, "build the index and look nothing up");
   app.add_flag("--report", o.report, "say what was refused and why, and draw all that is indexed (library.png)");
-  app.add_option("--accept", o.accept,
-                 "index what fits this pattern though it was refused, as often as needed: a name, a file or a whole path, "
-                 "* and ? as in a shell; the index remembers it")
+  app.add_option(
+         "--accept", o.accept,
+         "index what fits this pattern though it was refused, as often as needed: a name, a file or a whole path, "
+         "* and ? as in a shell; the index remembers it")
       ->take_all();
-  app.add_option("--refuse", o.refuse, "leave out what fits this pattern; of all such rules the last counts")->take_all();
-  app.add_option("--workers", o.workers, "files read at a time; 0: one a core")->check(CLI::Range(0, 256))->capture_default_str();
-  app.add_option("--seconds", o.seconds, "that reading one file may take")->check(CLI::Range(0.01, 1e6))->capture_default_str();
+  app.add_option("--refuse", o.refuse, "leave out what fits this pattern; of all such rules the last counts")
+      ->take_all();
+  app.add_option("--space", o.spaces,
+                 "name=file, as often as needed: vectors of the vehicles from elsewhere, kept in the index (.npz or "
+                 ".safetensors with names, or .npy with .npy.txt)")
+      ->take_all();
+  app.add_option("--by", o.by, "the space that is searched; others than views want --query")->capture_default_str();
+  app.add_option("--query", o.query, "the vector looked for in such a space: .npy, .npz or .safetensors");
+  app.add_option("--workers", o.workers, "files read at a time; 0: one a core")
+      ->check(CLI::Range(0, 256))
+      ->capture_default_str();
+  app.add_option("--seconds", o.seconds, "that reading one file may take")
+      ->check(CLI::Range(0.01, 1e6))
+      ->capture_default_str();
   app.add_option("--megabytes", o.megabytes, "of memory that reading one file may take")
       ->check(CLI::Range(64, 1 << 20))
       ->capture_default_str();

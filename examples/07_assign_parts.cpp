@@ -26,12 +26,12 @@ struct Options {
 };
 
 constexpr std::array<vec3<float>, part_kinds> colors{{{0.70f, 0.07f, 0.05f},
-                                                     {0.08f, 0.30f, 0.80f},
-                                                     {0.60f, 0.08f, 0.60f},
-                                                     {0.03f, 0.03f, 0.03f},
-                                                     {0.45f, 0.45f, 0.45f},
-                                                     {0.90f, 0.65f, 0.03f},
-                                                     {0.15f, 0.40f, 0.13f}}};
+                                                      {0.08f, 0.30f, 0.80f},
+                                                      {0.60f, 0.08f, 0.60f},
+                                                      {0.03f, 0.03f, 0.03f},
+                                                      {0.45f, 0.45f, 0.45f},
+                                                      {0.90f, 0.65f, 0.03f},
+                                                      {0.15f, 0.40f, 0.13f}}};
 
 std::string view_name(std::size_t view) {
   char name[32];
@@ -67,8 +67,10 @@ Image legend(int w, int h) {
 Image picture(const Raycaster& scene, const AssignedParts& parts) {
   const Box box = bounds(scene.mesh());
   std::vector<Panel> file, kinds;
-  for (const auto& [azimuth, elevation, from] : {std::tuple{0.6f, 0.25f, "from ahead"}, {2.5f, 0.35f, "from behind"},
-                                                 {1.5708f, 0.05f, "its right"}, {-2.2f, 0.6f, "its left, from above"}}) {
+  for (const auto& [azimuth, elevation, from] : {std::tuple{0.6f, 0.25f, "from ahead"},
+                                                 {2.5f, 0.35f, "from behind"},
+                                                 {1.5708f, 0.05f, "its right"},
+                                                 {-2.2f, 0.6f, "its left, from above"}}) {
     Pose<float> p;
     p.azimuth = azimuth, p.elevation = elevation, p.focal = 3, p.center = box.center();
     p.distance = 2.9f * std::sqrt(dot(box.size(), box.size())), p.width = 360, p.height = 240;
@@ -183,17 +185,19 @@ int run(const Options& o) {
 
 int main(int argc, char** argv) {
   Options o;
-  CLI::App app{"Tells which parts of a CAD vehicle are body, windows, wheels and lights.\n\n"
-               "  07_assign_parts --vehicle car.glb --output parts\n"
-               "  07_assign_parts --vehicle car.glb --parts parts/parts.txt   (after editing)\n"
-               "  07_assign_parts --vehicle car.glb --views                   (pictures for a segmenter)\n"
-               "  07_assign_parts --vehicle car.glb --masks labels            (view_00.png .. as 0 unknown, 1 body,\n"
-               "    2 window, 3 wheel, 4 tyre, 5 rim, 6 light, 7 other)\n"
-               "  07_assign_parts --vehicle car.glb --photo street.jpg --mask car.png --camera camera.json"};
+  CLI::App app{
+      "Tells which parts of a CAD vehicle are body, windows, wheels and lights.\n\n"
+      "  07_assign_parts --vehicle car.glb --output parts\n"
+      "  07_assign_parts --vehicle car.glb --parts parts/parts.txt   (after editing)\n"
+      "  07_assign_parts --vehicle car.glb --views                   (pictures for a segmenter)\n"
+      "  07_assign_parts --vehicle car.glb --masks labels            (view_00.png .. as 0 unknown, 1 body,\n"
+      "    2 window, 3 wheel, 4 tyre, 5 rim, 6 light, 7 other)\n"
+      "  07_assign_parts --vehicle car.glb --photo street.jpg --mask car.png --camera camera.json"};
   app.option_defaults()->take_last();
   app.add_option("--vehicle", o.vehicle, "any format Assimp reads; archive.zip:inner/path for a file in a zip archive");
   app.add_option("--parts", o.parts, "a text file of kinds, as this program writes it; outweighs what is found");
-  app.add_option("--role", o.roles, "material=kind or material[part]=kind, as often as needed; outweighs all")->take_all();
+  app.add_option("--role", o.roles, "material=kind or material[part]=kind, as often as needed; outweighs all")
+      ->take_all();
   app.add_option("--masks", o.masks, "folder with label images of the views, from any segmenter");
   app.add_option("--threshold", o.threshold, "of the IoU from which masks decide")
       ->check(CLI::Range(0.0f, 1.0f))

@@ -10,7 +10,7 @@
 #include <burnish/twin/assign_parts.h>
 #include <burnish/twin/part_labels.h>
 #include <burnish/twin/photo_parts.h>
-#include <burnish/twin/segment.h>
+#include <burnish/twin/segment_at.h>
 #include "fit_report.h"
 #include "twin_find.h"
 #include "twin_leave.h"

@@ -11,13 +11,13 @@
 namespace dressed {
 using namespace burnish;
 
-/// A part's texture with its main colour exchanged: what is a darker shade of it (seams, baked shadows) stays so, and what
-/// has another hue or is much brighter (lamps, chrome, a rim in a tyre) stays as it is.
+/// A part's texture with its main colour exchanged: what is a darker shade of it (seams, baked shadows) stays so, and
+/// what has another hue or is much brighter (lamps, chrome, a rim in a tyre) stays as it is.
 class Recoloured {
 public:
   Recoloured() = default;
-  /// colors: some of what is seen of the part. The main colour explains most of them, as itself or a darker shade; most:
-  /// how bright it may be.
+  /// colors: some of what is seen of the part. The main colour explains most of them, as itself or a darker shade;
+  /// most: how bright it may be.
   Recoloured(const std::vector<vec3<float>>& colors, float most) {
     std::map<int, std::pair<int, vec3<float>>> shades;  // how many, and their sum, by 6 steps a channel
     const auto step = [](float x) { return int(5.99f * std::sqrt(std::clamp(x, 0.0f, 1.0f))); };
@@ -32,13 +32,21 @@ public:
       if (luminance(main_) > most) continue;
       double explained = 0;
       for (const auto& [other, o] : shades) {
-        const auto [part, dark] = share(o.second / float(o.first));
-        if (part > 0.5f && dark > 0.3f) explained += o.first;
+        const auto [part, shade_of_main] = share(o.second / float(o.first));
+        if (part > 0.5f && shade_of_main > 0.3f && shade_of_main < brightest) explained += o.first;
       }
       if (luminance(main_) < 0.03f) explained *= 0.4;  // black plastic is seen on cars of every colour
-      if (explained > best) best = explained, found = main_;
+      if (explained > best || (explained == best && luminance(main_) > luminance(found)))
+        best = explained, found = main_;
     }
     main_ = found;
+    std::vector<float> bright;  // the paint in the light, not in the shadows that were baked into it
+    for (const vec3<float>& c : colors)
+      if (const auto [part, shade] = share(c); part > 0.5f && shade > 0.3f) bright.push_back(shade);
+    if (bright.empty()) return;
+    const auto at = bright.begin() + std::ptrdiff_t(bright.size() * 7 / 10);
+    std::nth_element(bright.begin(), at, bright.end());
+    main_ = main_ * *at;
   }
   /// The share of the main colour in a colour, and how bright that is of the main colour's brightness.
   struct Share {
@@ -47,7 +55,7 @@ public:
   Share share(const vec3<float>& color) const {
     const float shade = dot(color, main_) / std::max(dot(main_, main_), 1e-6f);
     const float apart = length(color - main_ * shade) / std::max(length(color), 0.02f);
-    return {(1 - smoothstep(0.15f, 0.35f, apart)) * (1 - smoothstep(1.3f, 2.0f, shade)), std::min(shade, 1.15f)};
+    return {(1 - smoothstep(0.15f, 0.35f, apart)) * (1 - smoothstep(1.3f, 2.0f, shade)), std::min(shade, brightest)};
   }
   vec3<float> operator()(const vec3<float>& color, const vec3<float>& instead) const {
     const auto [part, shade] = share(color);
@@ -55,10 +63,12 @@ public:
   }
 
 private:
+  static constexpr float brightest = 1.2f;  // of the main colour
   vec3<float> main_{0.5f, 0.5f, 0.5f};
 };
 
-/// Bodies bear the paint, windows the glass, tyres the rubber; everything else looks as its file says. Keeps references.
+/// Bodies bear the paint, windows the glass, tyres the rubber; everything else looks as its file says. Keeps a
+/// reference to the scene's mesh.
 class Dressed {
 public:
   /// kinds: of each part of the mesh.
@@ -113,11 +123,12 @@ public:
 private:
   using Role = parts::Role;
   const Mesh& mesh_;
-  const looks::Vehicle& fitted_;
+  looks::Vehicle fitted_;
   std::vector<Role> role_;
   std::vector<Recoloured> main_;
 
-  GltfMaterial made(std::size_t p, const GltfMaterial& file, const Surfel<float>& at, const BakeOptions& options) const {
+  GltfMaterial made(std::size_t p, const GltfMaterial& file, const Surfel<float>& at,
+                    const BakeOptions& options) const {
     const Part& part = mesh_.parts[p];
     const std::string& name = part.material;
     if (part.texture < 0) {
@@ -136,8 +147,7 @@ private:
     GltfMaterial m = gltf_material(name, s, options);
     Image image = mesh_.images[std::size_t(part.texture)];
     for (int y = 0; y < image.height; ++y)
-      for (int x = 0; x < image.width; ++x)
-        image.set(x, y, main_[p](image.at(x, y) * part.base_color, m.base_color));
+      for (int x = 0; x < image.width; ++x) image.set(x, y, main_[p](image.at(x, y) * part.base_color, m.base_color));
     m.base_color = {1, 1, 1};
     m.base_color_map = std::move(image);
     return m;

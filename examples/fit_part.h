@@ -36,7 +36,8 @@ inline Mask measured(Role role, const Photo& photo) {
   return role == Role::paint ? mask : street::without_extremes(photo.image, mask);
 }
 
-/// start: what the prior holds to. state: where the fit goes on from.
+/// start: what the prior holds to. state: where the fit goes on from. A part that lies nowhere on the photo's is fitted
+/// by all but its pixels; one that either of them lacks is left as it is.
 template <class M, class Look>
 Fitted<M> fit_part(Role role, const M& start, FitState<M> state, const Look& look, const Shot& from, const World& world,
                    const Photo& photo, const Settings& settings, const MoreLoss& more, const Watch& watch) {
@@ -49,13 +50,14 @@ Fitted<M> fit_part(Role role, const M& start, FitState<M> state, const Look& loo
   const Progress clock(name);
   watch(name, 0, settings.steps, "");
   Fitted<M> out{std::move(state), {}, n, 0};
-  if (n == 0) {
+  if (g.size() == 0 || statistics.area == 0) {
     watch(name, settings.steps, settings.steps,
-          g.size() == 0 ? "not seen in the model: left as it is" : "not where the photo has it: left as it is");
+          g.size() == 0 ? "not seen in the model: left as it is" : "not in the photo: left as it is");
     return out;
   }
   Image image(photo.image.width, photo.image.height), d_image = image;
-  const Weights weights = weights_of(role);
+  Weights weights = weights_of(role);
+  if (settings.weights) weights = {settings.weights->first, settings.weights->second};
   const Loss another = more ? more(role, photo, target, cover) : Loss();
   const auto save = [&](const FitState<M>& s) {
     if (!settings.checkpoints.empty())
@@ -70,7 +72,7 @@ Fitted<M> fit_part(Role role, const M& start, FitState<M> state, const Look& loo
                       part_statistics(image, cover, statistics, weights.statistics, d_image);
         if (another) loss += another(image, d_image);
         backward(g, seen, model, d_image, d);
-        const double pull = hold_back(model, start, d, settings, float(settings.prior / weights.aligned));
+        const double pull = hold_back(model, start, d, settings, float(settings.prior / weights_of(role).aligned));
         try {
           out.state.adam.check(d);
         } catch (const Error& e) {

@@ -64,9 +64,9 @@ inline void write_pictures(const std::string& folder, const Seen& seen, const Im
 inline Rows numbers(const Materials& found, const fitting::Settings& settings) {
   const looks::Vehicle before{looks::first_paint(), {}, {}};
   Rows rows{{"parameter", "before", "fitted", "", "range", ""}};
-  if (found.paint.pixels > 0) fitted::add_rows(rows, "paint", before.paint, found.paint, settings);
-  if (found.window.pixels > 0) fitted::add_rows(rows, "glass", before.window, found.window, settings);
-  if (found.rubber.pixels > 0) fitted::add_rows(rows, "rubber", before.rubber, found.rubber, settings);
+  if (found.paint.state.step() > 0) fitted::add_rows(rows, "paint", before.paint, found.paint, settings);
+  if (found.window.state.step() > 0) fitted::add_rows(rows, "glass", before.window, found.window, settings);
+  if (found.rubber.state.step() > 0) fitted::add_rows(rows, "rubber", before.rubber, found.rubber, settings);
   return rows;
 }
 inline void print(const Rows& rows) {

@@ -3,7 +3,9 @@
 #pragma once
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace fitting {
@@ -21,6 +23,8 @@ struct Settings {
                                      "specular_ior"};
   float yaw = any_yaw, exposure = 0, rate = 0.02f, prior = 0.02f;
   int steps = 300, patience = 50, pixels = 40000;
+  /// Of the pixels where part lies on part, and of the whole parts' means and variances; if not given, as in fit_part.h.
+  std::optional<std::pair<double, double>> weights;
   std::string checkpoints;  // a folder that states are written to every 50 steps; none when empty
 
   /// Whether a parameter, or what it is a member of, is frozen.

@@ -1,8 +1,8 @@
 // examples/stage.h -- light on a vehicle that stands on the ground, quickly: for pictures that turn, not for numbers
 // SPDX-License-Identifier: Apache-2.0
 //
-// Instead of the exact tables of light/illuminate.h (some 10 us a pixel) a blurred panorama is looked up once a lobe, and
-// weighted as an even sky would be (the split of Karis 2013): about 1 us. What is in the way is looked for by 15 rays
+// Instead of the exact tables of light/illuminate.h (some 10 us a pixel) a blurred panorama is looked up once a lobe,
+// and weighted as an even sky would be (the split of Karis 2013): about 1 us. What is in the way is looked for by 15 rays
 // that differ among 4 x 4 pixels and are meaned over them.
 #pragma once
 #include <burnish/light/illuminate.h>
@@ -56,7 +56,9 @@ public:
         std::fill(blocked.begin(), blocked.end(), std::uint8_t(0));
         scene_.blocked(g, i, d, blocked);
         Seen& to = own[std::size_t(i)];
-        const auto part = [&](int k) { return blocked[std::size_t(k)] ? 0 : ground_along(s.position, d[std::size_t(k)]); };
+        const auto part = [&](int k) {
+          return blocked[std::size_t(k)] ? 0 : ground_along(s.position, d[std::size_t(k)]);
+        };
         to.open = 0;
         for (int k = 0; k < rays; ++k) to.open += part(k) / float(rays);
         to.mirror = part(rays);
@@ -184,7 +186,8 @@ private:
     for (int k = 0; k < rays; ++k) {
       const vec3<float> d = spread(k);
       directions.emplace_back(d.x, d.z, d.y);
-      light.push_back(luminance(max(pyramid_.fetch(directions.back(), 0.02f), vec3<float>(0)) * strength_.sky) * pi / rays);
+      light.push_back(luminance(max(pyramid_.fetch(directions.back(), 0.02f), vec3<float>(0)) * strength_.sky) * pi /
+                      rays);
     }
     for (const Sun<float>& s : sky_.suns)
       for (int k = 0; k < 16 && s.direction.y > 0; ++k) {
@@ -207,8 +210,8 @@ private:
         float left = 0;
         for (std::size_t k = 0; k < directions.size(); ++k) left += blocked[k] ? 0 : light[k];
         const vec3<float> p = g.at(i).position;  // it fades out towards the border of what is looked at
-        const float edge = std::min({p.x - low_.x, p.z - low_.y, low_.x + float(columns_) * cell_ - p.x,
-                                     low_.y + float(rows_) * cell_ - p.z});
+        const float edge = std::min(
+            {p.x - low_.x, p.z - low_.y, low_.x + float(columns_) * cell_ - p.x, low_.y + float(rows_) * cell_ - p.z});
         ground_[std::size_t(i)] = mix(1.0f, left / all, smoothstep(0.0f, 0.6f * margin, edge));
       }
     });

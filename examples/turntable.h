@@ -10,9 +10,9 @@ namespace turntable {
 
 struct Options {
   int frames = 48, width = 640, height = 360;
-  float elevation = 0.2f;      // rad
-  float focal = 1.7f;          // in widths
-  bool panorama = false;       // the panorama behind the vehicle, instead of a grey studio
+  float elevation = 0.2f;  // rad
+  float focal = 1.7f;      // in widths
+  bool panorama = false;   // the panorama behind the vehicle, instead of a grey studio
 };
 
 /// Frame i of o.frames looks from azimuth 2 pi i / frames. look(part, surfel): the Surface there; film(light): display
@@ -46,8 +46,8 @@ bool turn(const Raycaster& scene, const EnvironmentLight& sky, const LightStreng
         const vec3<float> corner(k & 1 ? box.low.x : box.high.x, k & 2 ? box.low.y : box.high.y,
                                  k & 4 ? box.low.z : box.high.z);
         const vec3<float> p = pose.project(corner);
-        most = std::max({most, p.z > 0.1f ? std::abs(2 * p.x / float(o.width) - 1) : 9,
-                         std::abs(2 * p.y / float(o.height) - 1)});
+        most = std::max(
+            {most, p.z > 0.1f ? std::abs(2 * p.x / float(o.width) - 1) : 9, std::abs(2 * p.y / float(o.height) - 1)});
       }
     if (most < 0.9f) break;
   }
@@ -84,7 +84,8 @@ bool turn(const Raycaster& scene, const EnvironmentLight& sky, const LightStreng
       });
     };
     std::vector<int> panes(std::size_t(o.width) * std::size_t(o.height)), chosen;
-    for (int i = 0; i < g.size(); ++i) panes[std::size_t(g.pixel[std::size_t(i)])] = clear[std::size_t(g.part[std::size_t(i)])];
+    for (int i = 0; i < g.size(); ++i)
+      panes[std::size_t(g.pixel[std::size_t(i)])] = clear[std::size_t(g.part[std::size_t(i)])];
     for (int i = 0; i < all_behind.size(); ++i)
       if (panes[std::size_t(all_behind.pixel[std::size_t(i)])]) chosen.push_back(i);
     shade(all_behind.picked(chosen), [](int) { return vec3<float>(); });

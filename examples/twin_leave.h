@@ -119,7 +119,7 @@ public:
   void fitted(const fitting::FittedParts& f, const fitting::Settings& settings) {
     report::write_pictures(folder_, f.seen, f.before, f.after);
     page_.heading("The materials");
-    page_.compare(shot::linear(f.seen.photo.image), f.after, "The photo; the twin over it.");
+    page_.compare(report::panel(shot::linear(f.seen.photo.image)), report::panel(f.after), "The photo; the twin over it.");
     page_.picture(folder_ + "/fit.png", "Photo, first paint, fitted materials, and what is left where both overlap.");
     const report::Rows rows = report::numbers(f.materials, settings);
     report::print(rows);
@@ -181,7 +181,7 @@ private:
     for (const Sun<float>& s : world.sky.suns)
       light += s.power * (std::max(0.0f, dot(up, s.direction))) * world.strength.sun;
     const float k = 0.8f * pi / std::max(luminance(light), 1e-6f);
-    world.strength.sky *= k, world.strength.sun *= k, world.occluded *= k;
+    world.strength.sky *= k, world.strength.sun *= k;
   }
 };
 

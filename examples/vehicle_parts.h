@@ -40,7 +40,8 @@ template <class T> struct FileLook {
 inline GivenKind parse_role(const std::string& text) {
   constexpr std::array<PartKind, 4> kinds{PartKind::body, PartKind::window, PartKind::tyre, PartKind::other};
   const std::size_t eq = text.rfind('=');
-  if (eq == std::string::npos || eq == 0) throw Error("--role " + text + ": expected material=paint, glass, rubber or other");
+  if (eq == std::string::npos || eq == 0)
+    throw Error("--role " + text + ": expected material=paint, glass, rubber or other");
   for (std::size_t r = 0; r < role_names.size(); ++r)
     if (text.substr(eq + 1) == role_names[r]) {
       GivenKind given = detail::given_kind(text.substr(0, eq), std::string(name_of(kinds[r])), "--role " + text);
@@ -48,7 +49,8 @@ inline GivenKind parse_role(const std::string& text) {
       return given;
     }
   if (part_kind_of(text.substr(eq + 1))) return parse_kind(text, "--role");
-  throw Error("--role " + text + ": expected material=paint, glass, rubber or other, or a kind: " + detail::all_kinds());
+  throw Error("--role " + text +
+              ": expected material=paint, glass, rubber or other, or a kind: " + detail::all_kinds());
 }
 
 /// Role of every surfel.

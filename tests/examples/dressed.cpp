@@ -1,4 +1,4 @@
-// tests/examples/dressed.cpp -- a vehicle in its fitted materials: what is exchanged in a texture, and what glTF gets of it
+// tests/examples/dressed.cpp -- a vehicle in its fitted materials: what is exchanged in a texture, what glTF gets
 // SPDX-License-Identifier: Apache-2.0
 #include <burnish_test.h>
 #include "../../examples/dressed.h"
@@ -8,17 +8,22 @@ using namespace burnish;
 
 namespace {
 bool near(const vec3<float>& a, const vec3<float>& b, float by = 0.02f) { return length(a - b) < by; }
-/// A square on the ground for every part, side by side; parts 0 to 2 show the texture: left half yellow, then its shadow,
-/// a red lamp and black.
+/// A square on the ground for every part, side by side; two show the texture: left half yellow, then its shadow, a red
+/// lamp and black.
 Mesh squares() {
   Mesh m;
   Image image(8, 1);
   for (int x = 0; x < 8; ++x)
-    image.set(x, 0, x < 4 ? vec3<float>(0.6f, 0.5f, 0.05f) : x < 6 ? vec3<float>(0.3f, 0.25f, 0.025f) : x < 7 ? vec3<float>(0.6f, 0.02f, 0.01f) : vec3<float>(0.004f));
+    image.set(x, 0,
+              x < 4   ? vec3<float>(0.6f, 0.5f, 0.05f)
+              : x < 6 ? vec3<float>(0.3f, 0.25f, 0.025f)
+              : x < 7 ? vec3<float>(0.6f, 0.02f, 0.01f)
+                      : vec3<float>(0.004f));
   m.images.push_back(image);
   for (int p = 0; p < 5; ++p) {
     Part part;
-    part.material = std::string("material ").append(std::to_string(p)), part.material_index = p, part.texture = p < 2 ? 0 : -1;
+    part.material = std::string("material ").append(std::to_string(p)), part.material_index = p,
+    part.texture = p < 2 ? 0 : -1;
     part.base_color = p < 2 ? vec3<float>(1) : vec3<float>(0.3f, 0.3f, 0.4f);
     m.parts.push_back(part);
     const float x = float(p) - 2.5f;
@@ -31,7 +36,8 @@ Mesh squares() {
 }  // namespace
 
 TEST_CASE("Recoloured: the paint goes with its shadows; lamps, chrome and black stay", "[examples][value]") {
-  const vec3<float> yellow(0.6f, 0.5f, 0.05f), red(0.5f, 0.01f, 0.01f), chrome(0.9f, 0.9f, 0.9f), black(0.003f), blue(0.02f, 0.1f, 0.5f);
+  const vec3<float> yellow(0.6f, 0.5f, 0.05f), red(0.5f, 0.01f, 0.01f), chrome(0.9f, 0.9f, 0.9f), black(0.003f),
+      blue(0.02f, 0.1f, 0.5f);
   std::vector<vec3<float>> seen;
   for (int i = 0; i < 100; ++i) {
     seen.push_back(yellow * (0.5f + 0.005f * float(i)));
@@ -72,7 +78,7 @@ TEST_CASE("Dressed: each kind of part has its material, in pictures and in glTF"
   CHECK(near(look(1, at(0.25f)).base_color, {0.6f, 0.5f, 0.05f}));  // as the file has it
   const vec3<float> painted = look(0, at(0.25f)).base_color;
   CHECK(painted.z > 4 * painted.x);
-  CHECK(near(look(0, at(0.6f)).base_color, painted * 0.5f));               // in the shadow
+  CHECK(near(look(0, at(0.6f)).base_color, painted * 0.5f));                // in the shadow
   CHECK(near(look(0, at(0.81f)).base_color, {0.6f, 0.02f, 0.01f}, 0.05f));  // the lamp
 
   const PartMaterials gltf = look.materials({.texels = 16});

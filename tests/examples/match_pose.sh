@@ -15,10 +15,20 @@ given=(--photo photo.ppm --mask mask.pgm --vehicle car.obj --focal 100)
 "$program" --help | grep -q "05_match_pose --photo" || fail "--help has no example"
 log=$("$program" "${given[@]}" --output found 2>&1) || fail "a run: $log"
 [ -s found/pose.png ] || fail "no picture"
+grep -q '"belief"' found/poses.json || fail "no candidates: $(cat found/poses.json)"
+grep -q "sure of the heading" <<<"$log" || fail "does not say how sure it is: $log"
 [ -z "$(find . -name '*.partial')" ] || fail "partial files are left"
 # The car was seen from its side, 8 m away; its front and its rear look alike.
 awk '/^IoU/ { exit !($2 > 0.93 && (($4 > 85 && $4 < 95) || ($4 < -85 && $4 > -95))) }' <<<"$log" || fail "not the side: $log"
 awk -F'[:,]' '/"fx"/ { f = $2 } END { exit !(f > 99.9 && f < 100.1) }' found/camera.json || fail "the focal length was given"
+
+# A bus of the same materials is not what the photo shows.
+{ echo "mtllib car.mtl"; box paint -5 5 0.3 3 -1.2 1.2; box tire -3.5 -2.5 0 1 -1.25 1.25; box tire 2.5 3.5 0 1 -1.25 1.25; } >bus.obj
+log=$("$program" "${given[@]}" --vehicle bus.obj --output two 2>&1) || fail "two vehicles: $log"
+grep -q "^likeliest: car.obj" <<<"$log" || fail "not the car: $log"
+"$program" "${given[@]}" --mask-only --output alone >alone.log 2>&1 || fail "--mask-only: $(cat alone.log)"
+cp alone/poses.json before.json
+"$program" "${given[@]}" --mask-only --output alone >alone.log 2>&1 && cmp -s alone/poses.json before.json || fail "a second run is another"
 
 echo "P2 96 64 255 $(printf '0 %.0s' {1..6144})" >empty.pgm
 echo "P2 4 4 255 $(printf '255 %.0s' {1..16})" >small.pgm

@@ -1,9 +1,10 @@
-// tests/examples/turntable.cpp -- the quick light of examples/stage.h against the exact one, and a turn around a box of a car
+// tests/examples/turntable.cpp -- the quick light of examples/stage.h against the exact one, and a turn around a car
 // SPDX-License-Identifier: Apache-2.0
 #include <burnish_test.h>
 #include "../../examples/turntable.h"
 #include "record.h"
-#include <burnish/burnish.h>
+#include <burnish/nodes/car_paint.h>
+#include <burnish/nodes/window_glass.h>
 
 using namespace burnish;
 
@@ -29,8 +30,7 @@ Mesh sphere(const vec3<float>& middle, float radius) {
 void add_box(Mesh& m, const vec3<float>& low, const vec3<float>& high) {
   const int first = int(m.positions.size()), part = int(m.parts.size());
   m.parts.emplace_back();
-  for (int k = 0; k < 8; ++k)
-    m.add({k & 1 ? high.x : low.x, k & 2 ? high.y : low.y, k & 4 ? high.z : low.z});
+  for (int k = 0; k < 8; ++k) m.add({k & 1 ? high.x : low.x, k & 2 ? high.y : low.y, k & 4 ? high.z : low.z});
   for (const auto& q : {std::array{0, 1, 3, 2}, {4, 6, 7, 5}, {0, 4, 5, 1}, {2, 3, 7, 6}, {0, 2, 6, 4}, {1, 5, 7, 3}})
     for (const auto& t : {std::array{0, 1, 2}, {0, 2, 3}})
       m.triangles.push_back({first + q[std::size_t(t[0])], first + q[std::size_t(t[1])], first + q[std::size_t(t[2])]}),
@@ -78,7 +78,8 @@ TEST_CASE("Stage: on a sphere in the open the quick light is the exact one, on t
           quick += vec3<double>(stage.reflected_by(paint(at), at, seen[std::size_t(i)]));
           exact += vec3<double>(illuminate(paint(at), at, light, List<Sun, float>{sky.suns}, strength));
         }
-        for (const double ratio : {quick.x / exact.x, quick.y / exact.y, quick.z / exact.z}) worst(std::abs(ratio - 1)), ++count;
+        for (const double ratio : {quick.x / exact.x, quick.y / exact.y, quick.z / exact.z})
+          worst(std::abs(ratio - 1)), ++count;
       }
   record::claim("turntable::Stage: mean radiance of a sphere", "value", "illuminate", 0.04, worst.value, count);
 }
@@ -109,11 +110,12 @@ TEST_CASE("Turntable: the whole vehicle is in every picture, glass is looked thr
   const auto turn = [&](int cores, int most) {
     set_threads(cores);
     std::vector<Image> all;
-    const bool whole = turntable::turn(scene, sky, {}, vec3<float>(0.1f), look, film, o, [&](int i, const Image& picture) {
-      CHECK(i == int(all.size()));
-      all.push_back(picture);
-      return int(all.size()) < most;
-    });
+    const bool whole =
+        turntable::turn(scene, sky, {}, vec3<float>(0.1f), look, film, o, [&](int i, const Image& picture) {
+          CHECK(i == int(all.size()));
+          all.push_back(picture);
+          return int(all.size()) < most;
+        });
     CHECK(whole == (most > 5));
     return all;
   };

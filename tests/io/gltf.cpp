@@ -5,23 +5,27 @@
 #include "record.h"
 #include <cstring>
 #include <numbers>
-#include <burnish/burnish.h>
 #include <burnish/io/bake.h>
 #include <burnish/io/mesh.h>
+#include <burnish/nodes/car_paint.h>
+#include <burnish/nodes/rubber.h>
+#include <burnish/nodes/window_glass.h>
 
 using namespace burnish;
 using files::error_of;
 
 namespace {
 /// A box with a normal and a uv at every corner of its six faces.
-void add_box(Mesh& m, const char* name, const char* material, int index, const vec3<float>& low, const vec3<float>& high) {
+void add_box(Mesh& m, const char* name, const char* material, int index, const vec3<float>& low,
+             const vec3<float>& high) {
   const int part = int(m.parts.size());
   Part p;
   p.name = name, p.material = material, p.material_index = index;
   m.parts.push_back(p);
   for (int axis = 0; axis < 3; ++axis)
     for (const float side : {-1.0f, 1.0f}) {
-      const vec3<float> n(axis == 0 ? side : 0, axis == 1 ? side : 0, axis == 2 ? side : 0), u(n.y, n.z, n.x), v = cross(n, u);
+      const vec3<float> n(axis == 0 ? side : 0, axis == 1 ? side : 0, axis == 2 ? side : 0), u(n.y, n.z, n.x),
+          v = cross(n, u);
       const vec3<float> half = (high - low) * 0.5f, middle = (high + low) * 0.5f;
       const int first = int(m.positions.size());
       for (const auto& [a, b] : {std::pair{-1.0f, -1.0f}, {1.0f, -1.0f}, {1.0f, 1.0f}, {-1.0f, 1.0f}})
@@ -85,7 +89,8 @@ vec3<double> gltf(const GltfMaterial& m, const vec3<double>& v, const vec3<doubl
   const double tint[3] = {double(m.specular_color.x), double(m.specular_color.y), double(m.specular_color.z)};
   double f[3], out[3];
   for (int c = 0; c < 3; ++c)
-    f[c] = schlick(double(m.specular) * std::min(1.0, std::pow((n - 1) / (n + 1), 2) * tint[c]), double(m.specular), vh);
+    f[c] =
+        schlick(double(m.specular) * std::min(1.0, std::pow((n - 1) / (n + 1), 2) * tint[c]), double(m.specular), vh);
   const double most = std::max({f[0], f[1], f[2]}), coat = double(m.clearcoat);
   for (int c = 0; c < 3; ++c) {
     const double dielectric = (1 - most) * color[c] / std::numbers::pi + f[c] * shine;
@@ -141,9 +146,10 @@ TEST_CASE("glTF: chunks, views, accessors and extensions are as the specificatio
   const Mesh m = box_car();
   CarPaint<float> paint;
   paint.mottle = {0.05f, 0.3f}, paint.flakes = {0.004f, 0.1f, 0.7f};
-  write_gltf(folder / "car.glb", m,
-             {{bake("paint", paint, {.texels = 32}), bake("glass", WindowGlass<float>{}), bake("tyre", Rubber<float>{})},
-              {0, 1, 2, 2}});
+  write_gltf(
+      folder / "car.glb", m,
+      {{bake("paint", paint, {.texels = 32}), bake("glass", WindowGlass<float>{}), bake("tyre", Rubber<float>{})},
+       {0, 1, 2, 2}});
   const auto [j, bytes] = chunks_of(folder / "car.glb");
   CHECK(j["asset"]["version"] == "2.0");
   CHECK(j["asset"]["generator"] == "burnish");
@@ -178,14 +184,16 @@ TEST_CASE("glTF: chunks, views, accessors and extensions are as the specificatio
     const std::size_t count = a["count"];
     for (std::size_t c = 0; c < 3; ++c) {
       double low = 1e9, high = -1e9;
-      for (std::size_t i = 0; i < count; ++i) low = std::min(low, at(position, 3 * i + c)), high = std::max(high, at(position, 3 * i + c));
+      for (std::size_t i = 0; i < count; ++i)
+        low = std::min(low, at(position, 3 * i + c)), high = std::max(high, at(position, 3 * i + c));
       CHECK(a["min"][c].get<double>() == low);
       CHECK(a["max"][c].get<double>() == high);
       CHECK(low == Approx(-high));  // the node's origin is the part's middle
     }
     for (std::size_t i = 0; i < count; ++i)
       CHECK(std::hypot(at(normal, 3 * i), at(normal, 3 * i + 1), at(normal, 3 * i + 2)) == Approx(1));
-    for (std::size_t i = 0; i < j["accessors"][index]["count"].get<std::size_t>(); ++i) CHECK(at(index, i) < double(count));
+    for (std::size_t i = 0; i < j["accessors"][index]["count"].get<std::size_t>(); ++i)
+      CHECK(at(index, i) < double(count));
     CHECK(j["bufferViews"][a["bufferView"].get<std::size_t>()]["target"] == 34962);
     CHECK(j["bufferViews"][j["accessors"][index]["bufferView"].get<std::size_t>()]["target"] == 34963);
   }
@@ -226,10 +234,12 @@ TEST_CASE("glTF material: as bright as ours, under an even sky and under one tha
     constexpr int n = 16;
     for (int i = 0; i < n; ++i)
       for (int k = 0; k < 4 * n * n; ++k) {
-        const double cv = std::sqrt((i + 0.5) / n), cl = (k / (4 * n) + 0.5) / n, turn = (k % (4 * n) + 0.5) / (2 * n) * std::numbers::pi;
+        const double cv = std::sqrt((i + 0.5) / n), cl = (k / (4 * n) + 0.5) / n,
+                     turn = (k % (4 * n) + 0.5) / (2 * n) * std::numbers::pi;
         const vec3<double> v(std::sqrt(1 - cv * cv), 0, cv),
             l(std::sqrt(1 - cl * cl) * std::cos(turn), std::sqrt(1 - cl * cl) * std::sin(turn), cl);
-        const vec3<double> a(brdf_cos(s, vec3<float>(0, 0, 1), vec3<float>(v), vec3<float>(l))), b = gltf(m, v, l) * l.z;
+        const vec3<double> a(brdf_cos(s, vec3<float>(0, 0, 1), vec3<float>(v), vec3<float>(l))),
+            b = gltf(m, v, l) * l.z;
         const double sky = std::pow(0.5 + 0.4 * l.y + 0.3 * l.z, 2);
         ours[0] += a, theirs[0] += b, ours[1] += a * sky, theirs[1] += b * sky;
       }
@@ -238,11 +248,14 @@ TEST_CASE("glTF material: as bright as ours, under an even sky and under one tha
         (k ? uneven : even)(std::abs(b / a - 1));
   }
   const long count = 3 * long(surfaces.size());
-  record::claim("gltf_material: reflectance under an even sky", "value", "glTF 2.0, appendix B, and shade/brdf.h, summed", 0.01, even.value, count);
-  record::claim("gltf_material: reflectance under an uneven sky", "value", "glTF 2.0, appendix B, and shade/brdf.h, summed", 0.04, uneven.value, count);
+  record::claim("gltf_material: reflectance under an even sky", "value",
+                "glTF 2.0, appendix B, and shade/brdf.h, summed", 0.01, even.value, count);
+  record::claim("gltf_material: reflectance under an uneven sky", "value",
+                "glTF 2.0, appendix B, and shade/brdf.h, summed", 0.04, uneven.value, count);
 }
 
-TEST_CASE("glTF glass: lets through what ours does, and two thirds are covered for viewers without transmission", "[io][agreement]") {
+TEST_CASE("glTF glass: lets through what ours does, and two thirds are covered for viewers without transmission",
+          "[io][agreement]") {
   record::Worst worst;
   for (const vec3<float>& c : {vec3<float>(0.75f, 0.8f, 0.77f), {0.4f, 0.42f, 0.5f}, {0.08f, 0.07f, 0.06f}})
     for (const float weight : {0.5f, 0.95f, 1.0f}) {
@@ -259,7 +272,8 @@ TEST_CASE("glTF glass: lets through what ours does, and two thirds are covered f
       worst(std::abs(sum / double(ours.x + ours.y + ours.z) - 1));
       CHECK(double(m.alpha) * f0 == Approx(double(layers(s).base_f0.x)).epsilon(1e-3));  // both faces reflect
     }
-  record::claim("glTF glass: what is let through, all channels", "value", "transmittance, KHR_materials_transmission by hand", 1e-3, worst.value, 9);
+  record::claim("glTF glass: what is let through, all channels", "value",
+                "transmittance, KHR_materials_transmission by hand", 1e-3, worst.value, 9);
 }
 
 TEST_CASE("Baked tile: repeats without a seam, and its mean is the model's", "[io][value]") {
@@ -276,8 +290,10 @@ TEST_CASE("Baked tile: repeats without a seam, and its mean is the model's", "[i
     for (int x = 0; x < 96; ++x) {
       const double value = double(red[y * 96 + x]);
       mean += value / (96 * 96), squares += value * value / (96 * 96);
-      (x == 95 ? across : inside) = std::max(x == 95 ? across : inside, std::abs(value - double(red[y * 96 + (x + 1) % 96])));
-      (y == 95 ? across : inside) = std::max(y == 95 ? across : inside, std::abs(value - double(red[(y + 1) % 96 * 96 + x])));
+      (x == 95 ? across : inside) =
+          std::max(x == 95 ? across : inside, std::abs(value - double(red[y * 96 + (x + 1) % 96])));
+      (y == 95 ? across : inside) =
+          std::max(y == 95 ? across : inside, std::abs(value - double(red[(y + 1) % 96 * 96 + x])));
     }
   CHECK(across < 1.2 * inside);
   // The model's mean and contrast all through space, by other places.

@@ -5,6 +5,8 @@
 #include <minizip/zip.h>
 #include "files.h"
 #include <burnish/io/build_library.h>
+#include <burnish/io/embeddings.h>
+#include <burnish/twin/search.h>
 
 using namespace burnish;
 using files::error_of;
@@ -62,7 +64,8 @@ const LibraryEntry& at(const Library& l, const std::string& end) {
 bool has(const std::string& text, const std::string& words) { return text.find(words) != std::string::npos; }
 }  // namespace
 
-TEST_CASE("Children: what crashes, never ends, eats memory or throws ends alone, and the others are done", "[io][limit]") {
+TEST_CASE("Children: what crashes, never ends, eats memory or throws ends alone, and the others are done",
+          "[io][limit]") {
   const files::Folder folder;
   set_threads(3);  // a pool that a child has not
   std::vector<ChildEnd> ends(6);
@@ -121,13 +124,17 @@ TEST_CASE("Library of files: each is indexed or refused with the reason, and no 
   folder.write("cars/deep/b.obj", car(1.4, 3, true));
   folder.write("cars/deep/scene.obj", car(1.6));
   folder.write("cars/one.obj", car(1.5, 1));
-  folder.write("cars/empty.obj", ""), folder.write("cars/broken.glb", "no mesh"), folder.write("cars/notes.txt", "no mesh");
+  folder.write("cars/empty.obj", ""), folder.write("cars/broken.glb", "no mesh"),
+      folder.write("cars/notes.txt", "no mesh");
   folder.write("cars/flat.obj", "v 0 0 0\nv 4 0 0\nv 4 0 2\nv 0 0.1 2\nf 1 2 3\nf 1 3 4\n");
   folder.write("cars/front_wheel.obj", car(1.7)), folder.write("cars/fake.zip", "no archive");
   zip(folder / "cars/things.sh3f",
       {{"PluginFurnitureCatalog.properties",
-        "id#1=x\nname#1=My Suv\nmodel#1=/x/model.obj\ncategory#1=Vehicles\nname#2=Chair\nmodel#2=/x/car.obj\ncategory#2=Seats\n"},
-       {"x/model.obj", car(1.9)}, {"x/car.obj", car(1.4)}, {"x/car.mtl", colors}});
+        "id#1=x\nname#1=My "
+        "Suv\nmodel#1=/x/model.obj\ncategory#1=Vehicles\nname#2=Chair\nmodel#2=/x/car.obj\ncategory#2=Seats\n"},
+       {"x/model.obj", car(1.9)},
+       {"x/car.obj", car(1.4)},
+       {"x/car.mtl", colors}});
   zip(folder / "cars/more.zip", {{"red/van.obj", car(2.2)}, {"red/table.obj", car(1.4)}, {"red/car.mtl", colors}});
   const std::string index = folder / "index";
   const LibraryBuild b = build(index, {folder / "cars"});
@@ -182,11 +189,13 @@ TEST_CASE("Library of files: each is indexed or refused with the reason, and no 
   CHECK((read.thumbnails == l.thumbnails));
 }
 
-TEST_CASE("Library of files: a second run goes on where the first was stopped, and does what has changed", "[io][agreement]") {
+TEST_CASE("Library of files: a second run goes on where the first was stopped, and does what has changed",
+          "[io][agreement]") {
   const files::Folder folder;
   std::filesystem::create_directory(folder / "cars");
   folder.write("cars/car.mtl", colors);
-  folder.write("cars/a.obj", car(1.4)), folder.write("cars/b.obj", car(1.4, 3, true)), folder.write("cars/c.obj", car(1.5, 1));
+  folder.write("cars/a.obj", car(1.4)), folder.write("cars/b.obj", car(1.4, 3, true)),
+      folder.write("cars/c.obj", car(1.5, 1));
   const std::string index = folder / "index", whole = folder / "whole";
   const std::vector<std::string> cars = {folder / "cars"};
   CHECK(build(whole, cars).done == 3);
@@ -206,7 +215,9 @@ TEST_CASE("Library of files: a second run goes on where the first was stopped, a
     CHECK((x.spaces.at("views").values == y.spaces.at("views").values));
   };
   same();
+  const auto written = std::filesystem::last_write_time(index);
   const LibraryBuild none = build(index, cars);
+  CHECK(std::filesystem::last_write_time(index) == written);  // nothing new, nothing written
   CHECK(none.done == 0);
   CHECK(none.found == 3);
   same();
@@ -231,7 +242,8 @@ TEST_CASE("Library of files: a second run goes on where the first was stopped, a
 TEST_CASE("Library of files: rules overrule what was found, last one first, and are remembered", "[io][value]") {
   const files::Folder folder;
   std::filesystem::create_directory(folder / "cars");
-  folder.write("cars/car.mtl", colors), folder.write("cars/one.obj", car(1.4, 1)), folder.write("cars/two.obj", car(1.6, 2));
+  folder.write("cars/car.mtl", colors), folder.write("cars/one.obj", car(1.4, 1)),
+      folder.write("cars/two.obj", car(1.6, 2));
   const std::string index = folder / "index";
   const std::vector<std::string> cars = {folder / "cars"};
   CHECK(build(index, cars).library.count(LibraryStatus::indexed) == 1);
@@ -251,6 +263,47 @@ TEST_CASE("Library of files: rules overrule what was found, last one first, and 
   CHECK(back.done == 1);
   CHECK(back.library.count(LibraryStatus::indexed) == 1);
   CHECK(back.library.rules.size() == 3);
+}
+
+TEST_CASE("Library of files: vectors from elsewhere are a space that outlives the next build", "[io][agreement]") {
+  const files::Folder folder;
+  std::filesystem::create_directories(folder / "cars/van");
+  folder.write("cars/car.mtl", colors), folder.write("cars/van/car.mtl", colors);
+  folder.write("cars/a.obj", car(1.4)), folder.write("cars/van/scene.obj", car(2.1)),
+      folder.write("cars/one.obj", car(1.4, 1));
+  const std::string index = folder / "index";
+  Library l = build(index, {folder / "cars"}).library;
+  Embeddings e{{"van/scene.obj", "a", "one", "who"}, {{4, 3}, {0, 3, 4, 1, 0, 0, 0, 0, 2, 5, 5, 5}}};
+  CHECK(add_space(l, "clip", e, "e") == 2);  // one.obj is refused, who is not there
+  write_library(index, l);
+  // The first entry changes and goes; the other's vector stays.
+  folder.write("cars/a.obj", car(1.45));
+  const Library after = build(index, {folder / "cars"}).library;
+  REQUIRE(after.spaces.count("clip") == 1);
+  const LibrarySpace& s = after.spaces.at("clip");
+  CHECK(s.columns == 3);
+  CHECK(s.entry == std::vector{after.find(folder / "cars/van/scene.obj")});
+  for (int k = 0; k < 3; ++k)
+    CHECK(s.values[std::size_t(k)] == Approx(std::array{0.0, 0.6, 0.8}[std::size_t(k)]).margin(1e-3));
+  const std::vector<float> query = {0, 0.6f, 0.8f};
+  const auto found = nearest_models(s.values, 3, first_rows(after, s), query, 5);
+  REQUIRE(found.size() == 1);
+  CHECK(found[0].model == s.entry[0]);
+  CHECK(found[0].cosine == Approx(1).margin(1e-3));
+
+  e.names.back() = e.names[0];
+  CHECK(has(error_of([&] { add_space(l, "views", e, "e"); }), "other than views"));
+  CHECK(has(error_of([&] { add_space(l, "clip", {{"who"}, {{1, 1}, {1}}}, "e"); }), "e: no row has the name"));
+  // As NPY with names beside, and as safetensors.
+  write_npy(folder / "e.npy", e.vectors);
+  folder.write("e.txt", "van\r\nb\nc\nd\n");
+  CHECK(read_embeddings(folder / "e.npy").names == std::vector<std::string>{"van", "b", "c", "d"});
+  CHECK(read_embeddings(folder / "e.npy").vectors.values == e.vectors.values);
+  folder.write("e.txt", "a\nb\n");
+  CHECK(has(error_of([&] { read_embeddings(folder / "e.npy"); }), "2 names, 4 rows"));
+  write_safetensors(folder / "e.safetensors", {{{"x", {{2}, {1, 2}}}}, {{"names", "a"}}});
+  CHECK(read_embeddings(folder / "e.safetensors").vectors.shape[1] == 2);
+  CHECK(has(error_of([&] { read_embeddings(folder / "e.txt"); }), "expected a .npy"));
 }
 
 TEST_CASE("Library file: a damaged one is refused in one line, and so is a folder that is not there", "[io][limit]") {

@@ -18,7 +18,8 @@ std::string unbalanced(const std::string& html) {
     i = end;
     if (name == "!doctype" || name == "meta" || name == "img" || name == "input" || name == "br") continue;
     if (name[0] == '/') {
-      if (open.empty() || open.back() != name.substr(1)) return name + " closes " + (open.empty() ? "nothing" : open.back());
+      if (open.empty() || open.back() != name.substr(1))
+        return name + " closes " + (open.empty() ? "nothing" : open.back());
       open.pop_back();
     } else open.push_back(name);
     if (name == "script" || name == "style") i = html.find("</" + name, i) - 1;
@@ -58,7 +59,8 @@ TEST_CASE("Page: all it can hold is well-formed HTML that needs no other file", 
   CHECK(count(html, "data:application/octet-stream;base64,eyJhIjogMX0=") == 3);  // {"a": 1}
   // Nothing from elsewhere: what is named is in the page or beside it.
   CHECK(count(html, "src=\"") == count(html, "src=\"data:"));
-  CHECK(count(html, "href=\"") == count(html, "href=\"#") + count(html, "href=\"data:") + count(html, "href=\"large.glb\""));
+  CHECK(count(html, "href=\"") ==
+        count(html, "href=\"#") + count(html, "href=\"data:") + count(html, "href=\"large.glb\""));
   CHECK(count(html, "http") == 0);
   CHECK(count(html, "url(") == 0);
 }
@@ -71,8 +73,10 @@ TEST_CASE("Page: without chapters there is no list of them, and no script withou
   CHECK(count(html, "<nav>") == 0);
   CHECK(count(html, "<script>") == 0);
   CHECK(count(html, "<p>words</p>") == 1);
-  CHECK(files::error_of([&] { Page("x").picture(folder / "none.png", "none"); }) == (folder / "none.png") + ": no such file");
-  CHECK(files::error_of([&] { Page("x").write(folder / "none/page.html"); }).find("cannot be written") != std::string::npos);
+  CHECK(files::error_of([&] { Page("x").picture(folder / "none.png", "none"); }) ==
+        (folder / "none.png") + ": no such file");
+  CHECK(files::error_of([&] { Page("x").write(folder / "none/page.html"); }).find("cannot be written") !=
+        std::string::npos);
 }
 
 TEST_CASE("Page: base 64 as RFC 4648 has it", "[io][value]") {

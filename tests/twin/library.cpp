@@ -20,7 +20,8 @@ void add_box(Mesh& m, int part, const vec3<float>& low, const vec3<float>& high)
   const int base = int(m.positions.size());
   for (int k = 0; k < 8; ++k)
     m.add({k & 1 ? high.x : low.x, k & 2 ? high.y : low.y, k & 4 ? high.z : low.z}, {0, 1, 0}, {0, 0});
-  for (const auto& [a, b, c, d] : {std::array{0, 4, 6, 2}, {1, 3, 7, 5}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 2, 3, 1}, {4, 5, 7, 6}})
+  for (const auto& [a, b, c, d] :
+       {std::array{0, 4, 6, 2}, {1, 3, 7, 5}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 2, 3, 1}, {4, 5, 7, 6}})
     for (const std::array<int, 3>& t : {std::array{base + a, base + b, base + c}, {base + a, base + c, base + d}})
       m.triangles.push_back(t), m.part.push_back(part);
 }
@@ -139,7 +140,8 @@ TEST_CASE("Usable vehicle: what has not a vehicle's proportions or name is refus
   for (const float x : {-0.8f, 0.5f}) add_box(motorcycle, 1, {x, 0, -0.06f}, {x + 0.3f, 0.6f, 0.06f});
   CHECK(has(odd_proportions(motorcycle), "middle line"));
   for (const char* whole : {"suv", "Wheel loader", "light_truck", "topaz", "Car 2"}) CHECK(odd_name(whole) == "");
-  for (const char* piece : {"suv_tire", "frontWheel_2 wheel", "Bike", "car top 1"}) CHECK(has(odd_name(piece), "by its name"));
+  for (const char* piece : {"suv_tire", "frontWheel_2 wheel", "Bike", "car top 1"})
+    CHECK(has(odd_name(piece), "by its name"));
 }
 
 TEST_CASE("Library: of entries of one shape the first is kept, and rows stay with their entries", "[twin][value]") {
@@ -204,7 +206,8 @@ TEST_CASE("Preview: the vehicle fills the picture in its own colours on white, a
   CHECK(left + (95 - right) < 20);
   CHECK(image.at(1, 1).x > 0.99f);
   CHECK(darkest < 0.7f);
-  const vec3<float> door = pose.project({0, 0.6f, 0.85f}), pane = pose.project({0, 1.15f, 0.75f});
+  const vec3<float> door = pose.project(vec3<float>(0, 0.6f, 0.85f)),
+                    pane = pose.project(vec3<float>(0, 1.15f, 0.75f));
   const vec3<float> red = image.at(int(door.x), int(door.y)), dark = image.at(int(pane.x), int(pane.y));
   CHECK(red.x > 3 * red.y);
   CHECK(dark.x < 0.5f * red.x);

@@ -1,35 +1,13 @@
-// tests/twin/silhouette.cpp -- the laws of burnish/twin/pose.h, silhouette.h and match_pose.h
+// tests/twin/silhouette.cpp -- the laws of burnish/twin/pose.h, silhouette.h and refine_pose.h by masks
 // SPDX-License-Identifier: Apache-2.0
-#include <burnish/twin/match_pose.h>
+#include <burnish/twin/refine_pose.h>
 #include <record.h>
-#include <scene/shapes.h>
+#include <twin/toy_car.h>
 #include <burnish_test.h>
 using namespace burnish;
+using toys::some_pose;
 
 namespace {
-/// A car of boxes and spheres: longer than high, its cabin towards the rear, nothing symmetric but left and right.
-Mesh toy_car(int n = 12) {
-  Mesh m;
-  shapes::add_box(m, "body", {-2.1f, 0.35f, -0.85f}, {2.1f, 0.95f, 0.85f});
-  shapes::add_box(m, "cabin", {-1.7f, 0.95f, -0.75f}, {0.5f, 1.5f, 0.75f});
-  for (const float x : {-1.3f, 1.35f})
-    for (const float z : {-0.8f, 0.8f}) {
-      const Mesh wheel = shapes::sphere({x, 0.33f, z}, 0.33f, n);
-      const int first = int(m.positions.size());
-      for (std::size_t v = 0; v < wheel.positions.size(); ++v)
-        m.add(wheel.positions[v], wheel.normals[v], wheel.uvs[v]);
-      for (const auto& t : wheel.triangles)
-        m.triangles.push_back({t[0] + first, t[1] + first, t[2] + first}), m.part.push_back(int(m.parts.size()));
-      m.parts.push_back({.name = "wheel", .material = "rubber"});
-    }
-  return m;
-}
-Pose<float> some_pose(int w, int h) {
-  Pose<float> p;
-  p.azimuth = 0.9f, p.elevation = 0.15f, p.roll = 0.03f, p.distance = 9, p.right = 0.02f, p.down = -0.03f;
-  p.focal = 1.3f, p.width = w, p.height = h;
-  return p;
-}
 double area(const Mask& m) {
   double sum = 0;
   for (int i = 0; i < m.width * m.height; ++i) sum += double(m.values[std::size_t(i)]);
@@ -56,7 +34,7 @@ TEST_CASE("Pose: its camera sees what it projects", "[twin][agreement]") {
 }
 
 TEST_CASE("Silhouette: its shares add up to the area that many rays find", "[twin][value]") {
-  const Raycaster scene(toy_car());
+  const Raycaster scene(toys::car());
   const MeshEdges edges(scene.mesh());
   double worst = 0;
   int poses = 0;
@@ -115,7 +93,7 @@ template <class W> std::array<double, 7> by_edge_sampling(const Raycaster& scene
 }  // namespace
 
 TEST_CASE("Silhouette: its slopes are those that sampled edges have", "[twin][gradient]") {
-  const Raycaster scene(toy_car(24));
+  const Raycaster scene(toys::car(24));
   const MeshEdges edges(scene.mesh());
   double worst = 0, area_worst = 0;
   const int poses = 6;
@@ -149,7 +127,7 @@ TEST_CASE("Silhouette: its slopes are those that sampled edges have", "[twin][gr
 }
 
 TEST_CASE("refine_pose: from a pose that is off, back to the one that the mask was seen from", "[twin][value]") {
-  const Raycaster scene(toy_car());
+  const Raycaster scene(toys::car());
   const MeshEdges edges(scene.mesh());
   std::vector<double> degrees, distance;
   for (int k = 0; k < 8; ++k) {
@@ -169,20 +147,4 @@ TEST_CASE("refine_pose: from a pose that is off, back to the one that the mask w
                 degrees[4], 8);
   record::claim("refine_pose: distance, part, median", "value", "the pose that the mask was made with", 0.002,
                 distance[4], 8);
-}
-
-TEST_CASE("match_pose: from the mask alone", "[twin][value]") {
-  const Raycaster scene(toy_car());
-  Pose<float> truth = some_pose(240, 180);
-  truth.azimuth = 2.3f, truth.center = bounds(scene.mesh()).center();
-  const Mask target = scene.trace(truth.camera(), 4).frame("coverage");
-  MatchOptions options;
-  options.focal = truth.focal;
-  const auto found = match_pose(scene, target, options);
-  REQUIRE(found.size() == 1);
-  CHECK(found[0].iou > 0.97);
-  CHECK(std::cos(found[0].pose.azimuth - truth.azimuth) > std::cos(0.02f));
-  CHECK(found[0].pose.distance == Approx(truth.distance).epsilon(0.01));
-  CHECK(found[0].deviation.azimuth < 0.02f);
-  CHECK_THROWS_AS(match_pose(scene, Mask(64, 48)), Error);
 }

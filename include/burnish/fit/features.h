@@ -1,10 +1,10 @@
-// burnish/fit/features.h -- features of a part of an image: a fixed bank of filters at several octaves, and its way back
+// burnish/fit/features.h -- features of a part of an image: a bank of filters at several octaves, and its way back
 // SPDX-License-Identifier: Apache-2.0
 //
-// Features answer two calls (the concept Features): forward(image, mask, trace) makes layers out of the pixels under the
-// mask, and backward(trace, d_layers, d_image) brings a derivative by the layers back to the image. A layer is maps of
-// one size, and a weight for every position: how much it counts, 0 where it tells nothing of the part. What lies outside
-// the mask (mask 0) is not read, changes nothing, and has no derivative.
+// Features answer two calls (the concept Features): forward(image, mask, trace) makes layers out of the pixels under
+// the mask, and backward(trace, mask, d_layers, d_image) brings a derivative by the layers back to the image. A layer is
+// maps of one size, and a weight for every position: how much it counts, 0 where it tells nothing of the part; values
+// there mean nothing. What lies outside the mask (mask 0) is not read, changes nothing, and has no derivative.
 //
 // The FilterBank: a pyramid of octaves, each half as wide as the one before, by normalised convolution (Knutsson and
 // Westin 1993): values and mask are blurred alike and divided, so that a part of one colour stays of one colour up to
@@ -61,11 +61,10 @@ template <class F, class T> concept Features =
 
 namespace detail::features {
 
-template <class T> using Lane = Packet<T, 8>;
-/// f.template operator()<P>(i) for all i of a range, P a packet or, at the end, a single number.
+/// f.operator()<P>(i) for all i of a range, P a packet or, at the end, a single number.
 template <class T, class F> [[gnu::always_inline]] inline void each_place(std::size_t begin, std::size_t end, F f) {
   std::size_t i = begin;
-  for (; i + 8 <= end; i += 8) f.template operator()<Lane<T>>(i);
+  for (; i + 8 <= end; i += 8) f.template operator()<Packet<T, 8>>(i);
   for (; i < end; ++i) f.template operator()<T>(i);
 }
 template <class P, class T> [[gnu::always_inline]] inline P get(const T* from) {
@@ -90,11 +89,11 @@ template <class P, class T> [[gnu::always_inline]] inline Jet<P> jet(const T* v,
 }
 /// The jet along 0, 45, 90 and 135 degrees: first derivatives, then second ones.
 template <class P> [[gnu::always_inline]] inline std::array<P, 8> along(const Jet<P>& j) {
-  const P r(0.70710678118654752f), h(0.5f), mean = (j.xx + j.yy) * h;
+  const P r(0.70710678118654752), h(0.5f), mean = (j.xx + j.yy) * h;
   return {j.x, (j.x + j.y) * r, j.y, (j.y - j.x) * r, j.xx, mean + j.xy, j.yy, mean - j.xy};
 }
 template <class P> [[gnu::always_inline]] inline Jet<P> along_back(const std::array<P, 8>& d) {
-  const P r(0.70710678118654752f), h(0.5f), both = (d[5] + d[7]) * h;
+  const P r(0.70710678118654752), h(0.5f), both = (d[5] + d[7]) * h;
   return {d[0] + (d[1] - d[3]) * r, d[2] + (d[1] + d[3]) * r, d[4] + both, d[6] + both, d[5] - d[7]};
 }
 
@@ -173,15 +172,13 @@ struct FilterBank {
 
   template <class T> void forward(const FeatureMap<T>& image, const Mask& mask, Trace<T>& t) const {
     using namespace detail::features;
-    int count = 0;
-    for (int w = image.width, h = image.height; count < octaves && std::min(w, h) >= 3; ++count)
-      w = (w + 1) / 2, h = (h + 1) / 2;
-    t.octaves.resize(std::size_t(count)), t.layers.resize(std::size_t(count));
+    std::size_t count = 0;
+    for (int n = std::min(image.width, image.height); int(count) < octaves && n >= 3; n = (n + 1) / 2) ++count;
+    t.octaves.resize(count), t.layers.resize(count);
     for (std::size_t k = 0; k < t.octaves.size(); ++k) {
       auto& o = t.octaves[k];
-      if (k > 0) {
-        shrink(t.octaves[k - 1].sums, o.sums), shrink(t.octaves[k - 1].mask, o.mask);
-      } else {
+      if (k > 0) shrink(t.octaves[k - 1].sums, o.sums), shrink(t.octaves[k - 1].mask, o.mask);
+      else {
         o.sums.reset(3, image.width, image.height), o.mask.reset(1, image.width, image.height);
         for (std::size_t i = 0; i < o.mask.stride(); ++i)
           if ((o.mask.values[i] = T(mask.values[i])) > 0)
@@ -222,7 +219,7 @@ private:
   void filter(const FeatureMap<T>& values, const FeatureMap<T>& mask, FeatureLayer<T>& layer) const {
     using namespace detail::features;
     const int width = values.width, height = values.height;
-    const std::size_t w = std::size_t(width);
+    const auto w = std::size_t(width);
     if (layer.maps.channels != channels || layer.maps.width != width || layer.maps.height != height)
       layer.maps.reset(channels, width, height), layer.weight.reset(1, width, height);
     const T k = T(knee), k2 = k * k;
@@ -252,7 +249,8 @@ private:
     });
   }
   /// Adds to d_values.
-  template <class T> void filter_back(const FeatureMap<T>& values, const FeatureMap<T>& d, FeatureMap<T>& d_values) const {
+  template <class T>
+  void filter_back(const FeatureMap<T>& values, const FeatureMap<T>& d, FeatureMap<T>& d_values) const {
     using namespace detail::features;
     const int width = values.width, height = values.height;
     const std::size_t w = std::size_t(width), stride = d.stride();

@@ -3,8 +3,8 @@
 //
 // Gatys, Ecker and Bethge 2016, layer by layer and under masks: G = sum of w f f^T / sum of w over the positions of a
 // layer, f the features there and w their weights (fit/features.h). So neither the size of a part's mask nor where it
-// lies matters, and photo and rendering each have their own. Channels are measured in the photo's units (Gram::units), so
-// that layers and networks of any scale count alike. Sums are the same for any number of threads.
+// lies matters, and photo and rendering each have their own. Channels are measured in the photo's units (Gram::units),
+// so that layers and networks of any scale count alike. Sums are the same for any number of threads.
 #pragma once
 #include <cmath>
 #include <utility>
@@ -35,21 +35,26 @@ namespace detail::grams {
 /// Places that are summed in T before they are added in double; their maps stay near the processor.
 inline constexpr std::size_t strip = 128;
 
-/// The features of a strip (0 where their weight is) and the same times their weights, a multiple of 4 channels.
+/// The features of a strip (0 where their weight is) and the same times their weights, a multiple of 4 channels; the
+/// room is the thread's.
 template <class T> struct Strip {
-  std::size_t channels;
-  std::vector<T, Aligned<T>> plain, weighted;
+  std::size_t channels, size;  // size: places, a multiple of 16
+  const T *plain, *weighted;   // channel by channel, `strip` apart
 
   Strip(const FeatureLayer<T>& layer, std::size_t begin)
-      : channels(padded(std::size_t(layer.maps.channels), 4)), plain(channels * strip), weighted(plain.size()) {
-    const std::size_t stride = layer.maps.stride(), end = std::min(begin + strip, stride);
-    const T* const w = layer.weight.plane(0);
-    for (std::size_t c = 0; c < std::size_t(layer.maps.channels); ++c)
-      for (std::size_t i = begin; i < end; i += 8) {
-        using P = Packet<T, 8>;
-        const P weight = P::load(w + i), x = P::load(layer.maps.values.data() + c * stride + i);
-        const P f = select(weight > P(T(0)), x, P(T(0)));
-        f.store(plain.data() + c * strip + i - begin), (weight * f).store(weighted.data() + c * strip + i - begin);
+      : channels(padded(std::size_t(layer.maps.channels), 4)), size(std::min(strip, layer.maps.stride() - begin)) {
+    using P = Packet<T, 8>;
+    static thread_local std::vector<T, Aligned<T>> room;
+    room.resize(2 * channels * strip);
+    T *f = room.data(), *wf = f + channels * strip;
+    plain = f, weighted = wf;
+    const T* const w = layer.weight.plane(0) + begin;
+    for (std::size_t c = 0; c < channels; ++c, f += strip, wf += strip)
+      for (std::size_t i = 0; i < size; i += 8) {
+        P weight = P::load(w + i), x(T(0));
+        if (c < std::size_t(layer.maps.channels))
+          x = select(weight > P(T(0)), P::load(layer.maps.plane(int(c)) + begin + i), x);
+        x.store(f + i), (weight * x).store(wf + i);
       }
   }
 };
@@ -89,14 +94,17 @@ template <class T> Gram gram(const FeatureLayer<T>& layer) {
     sum.resize(m * m);
     for (std::size_t i = 0; i < m; i += 4)
       for (std::size_t j = i; j < m; j += 4) {
-        P tile[4][4] = {};
-        for (std::size_t k = 0; k < strip; k += 8)
+        P block[4][4] = {};
+        for (std::size_t k = 0; k < s.size; k += 8) {
+          P b[4];
+          for (std::size_t q = 0; q < 4; ++q) b[q] = P::load(s.plain + (j + q) * strip + k);
           for (std::size_t p = 0; p < 4; ++p) {
-            const P a = P::load(s.weighted.data() + (i + p) * strip + k);
-            for (std::size_t q = 0; q < 4; ++q) tile[p][q] = tile[p][q] + a * P::load(s.plain.data() + (j + q) * strip + k);
+            const P a = P::load(s.weighted + (i + p) * strip + k);
+            for (std::size_t q = 0; q < 4; ++q) block[p][q] = block[p][q] + a * b[q];
           }
+        }
         for (std::size_t p = 0; p < 4; ++p)
-          for (std::size_t q = 0; q < 4; ++q) sum[(i + p) * m + j + q] += double(tile[p][q].sum());
+          for (std::size_t q = 0; q < 4; ++q) sum[(i + p) * m + j + q] += double(block[p][q].sum());
       }
   });
   for (std::size_t b = 0; b < bands; ++b) {
@@ -114,7 +122,7 @@ template <class T> std::vector<Gram> grams(const std::vector<FeatureLayer<T>>& l
 }
 
 /// The mean over layers of the mean over entries of |G - G'|, each entry in the photo's units; layers that are empty on
-/// either side do not count, and without any it is 0. weight times the derivative goes into d_layers, as Features want
+/// either side, or 0 in all of the photo's part, do not count, and without any it is 0. weight times the derivative goes into d_layers, as Features want
 /// them: 0 where the weight is. Where two entries agree, or are no numbers, the slope is given as 0.
 template <class T> double gram_loss(const std::vector<FeatureLayer<T>>& layers, const std::vector<Gram>& photo,
                                     double weight, std::vector<FeatureMap<T>>& d_layers) {
@@ -122,7 +130,10 @@ template <class T> double gram_loss(const std::vector<FeatureLayer<T>>& layers, 
   using P = Packet<T, 8>;
   const std::vector<Gram> own = grams(layers);
   d_layers.resize(layers.size());
-  const auto counts = [&](std::size_t k) { return k < photo.size() && own[k].area > 0 && photo[k].area > 0; };
+  const auto counts = [&](std::size_t k) {
+    return k < photo.size() && own[k].area > 0 && std::any_of(photo[k].entries.begin(), photo[k].entries.end(),
+                                                              [](double x) { return x != 0; });
+  };
   int used = 0;
   for (std::size_t k = 0; k < layers.size(); ++k) used += counts(k);
   double loss = 0;
@@ -147,12 +158,11 @@ template <class T> double gram_loss(const std::vector<FeatureLayer<T>>& layers, 
     else d.reset(maps.channels, maps.width, maps.height);
     each_strip(layers[k], [&](std::size_t, std::size_t begin) {
       const Strip<T> s(layers[k], begin);
-      const std::size_t end = std::min(strip, maps.stride() - begin);
       for (std::size_t i = 0; i < n; i += 4)
-        for (std::size_t at = 0; at < end; at += 16) {
+        for (std::size_t at = 0; at < s.size; at += 16) {
           P low[4] = {}, high[4] = {};
           for (std::size_t j = 0; j < n; ++j) {
-            const T* const f = s.weighted.data() + j * strip + at;
+            const T* const f = s.weighted + j * strip + at;
             const P f0 = P::load(f), f1 = P::load(f + 8);
             for (std::size_t p = 0; p < 4; ++p) {
               const P by(slope[(i + p) * m + j]);
@@ -167,6 +177,24 @@ template <class T> double gram_loss(const std::vector<FeatureLayer<T>>& layers, 
     });
   }
   return loss;
+}
+
+/// 1 where the mask is whole (above 0.99) in all of the square that reaches `radius` pixels to every side, else 0.
+/// Pixels at a part's border are mixed with what is behind, in a photo otherwise than in a picture of one sample a pixel.
+inline Mask eroded(const Mask& mask, int radius) {
+  Mask across(mask.width, mask.height), out = across;
+  const auto all = [&](const Mask& from, int x, int y, int dx, int dy) {
+    for (int k = -radius; k <= radius; ++k) {
+      const int i = x + k * dx, j = y + k * dy;
+      if (i < 0 || j < 0 || i >= mask.width || j >= mask.height || !(from.at(i, j) > 0.99f)) return 0.0f;
+    }
+    return 1.0f;
+  };
+  for (int y = 0; y < mask.height; ++y)
+    for (int x = 0; x < mask.width; ++x) across.at(x, y) = all(mask, x, y, 1, 0);
+  for (int y = 0; y < mask.height; ++y)
+    for (int x = 0; x < mask.width; ++x) out.at(x, y) = all(across, x, y, 0, 1);
+  return out;
 }
 
 /// A part of a photo, kept as Gram matrices; then pictures of the part against it. F: Features.

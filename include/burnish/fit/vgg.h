@@ -2,8 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Simonyan and Zisserman 2015. Any number of layers; weights are handed over as tensors, torchvision's names are
-// understood (io/safetensors.h and io/npy.h read them). The only file of fit/ that names Eigen: a convolution is a matrix
-// product over the pixels' neighbourhoods, strip by strip, on all cores; the result does not depend on how many there are.
+// understood (io/safetensors.h and io/npy.h read them). The only file of fit/ that names Eigen: a convolution is a
+// matrix product over the pixels' neighbourhoods, strip by strip, on all cores; the result does not depend on how many
+// there are.
 //
 // Features of a part (fit/features.h): pixels outside the mask are given the part's mean colour, in part where the mask
 // is a fraction, so that what lies behind the part changes nothing and the border is no edge of black; a layer's weight
@@ -35,9 +36,9 @@ public:
   Vgg() = default;
   /// From "features.0.weight" (outputs x inputs x 3 x 3) and "features.0.bias", "features.2.weight", ...: a convolution
   /// and its ReLU take two numbers, pooling takes one more. Anything may stand before the numbers; what is no such
-  /// weight, such as a classifier's, is left out. Layers that are asked for are the first ReLU and the first behind each
-  /// pooling (relu1_1, relu2_1, ... as in Gatys et al. 2016); the network is cut behind the last. Error, beginning with
-  /// `named`, for weights that are none of such a network.
+  /// weight, such as a classifier's, is left out. Layers that are asked for are the first ReLU and the first behind
+  /// each pooling (relu1_1, relu2_1, ... as in Gatys et al. 2016); the network is cut behind the last. Error, beginning
+  /// with `named`, for weights that are none of such a network.
   explicit Vgg(const NamedTensors& weights, const std::string& named = "VGG", Pooling = Pooling::max);
 
   /// Behind what is there: a convolution (weight: outputs x inputs x 3 x 3) with its ReLU; layer: it is asked for.
@@ -89,7 +90,8 @@ inline void Vgg::convolution(const Tensor& weight, const Tensor& bias, bool laye
   if (s.size() != 4 || s[0] == 0 || s[1] != before || s[2] != 3 || s[3] != 3 || weight.size() != s[0] * s[1] * 9)
     throw Error(named + ": found a weight of another shape, expected outputs x " + std::to_string(before) + " x 3 x 3");
   if (bias.size() != s[0])
-    throw Error(named + ": found a bias of " + std::to_string(bias.size()) + " numbers, expected " + std::to_string(s[0]));
+    throw Error(named + ": found a bias of " + std::to_string(bias.size()) + " numbers, expected " +
+                std::to_string(s[0]));
   Step step{{}, Weights(s[0], s[1] * 9), Weights(s[1], s[0] * 9), bias.values, int(s[1]), int(s[0]), layer};
   for (std::size_t o = 0; o < s[0]; ++o)
     for (std::size_t i = 0; i < s[1]; ++i)
@@ -170,7 +172,8 @@ void Vgg::convolve(const Weights& weight, const float* bias, const FeatureMap<T>
           for (Eigen::Index i = 0; i < count;) {  // row by row of the picture
             const int x0 = int((begin + i) % w), y = int((begin + i) / w) + dy;
             const int n = int(std::min<Eigen::Index>(count - i, w - x0));
-            const int first = std::clamp(-dx - x0, 0, n), last = y < 0 || y >= h ? first : std::clamp(w - dx - x0, first, n);
+            const int first = std::clamp(-dx - x0, 0, n);
+            const int last = y < 0 || y >= h ? first : std::clamp(w - dx - x0, first, n);
             T* const row = out + i;
             std::fill(row, row + first, T(0));
             if (last > first) {
@@ -196,8 +199,9 @@ template <class T> void Vgg::pool(Pooling kind, const FeatureMap<T>& from, Featu
       for (int x = 0; x < w; ++x) {
         const T* const a = from.plane(c) + std::ptrdiff_t(2 * y) * from.width + 2 * x;
         const T* const b = a + from.width;
-        to.plane(c)[std::ptrdiff_t(y) * w + x] = kind == Pooling::max ? std::max(std::max(a[0], a[1]), std::max(b[0], b[1]))
-                                                                     : (a[0] + a[1] + b[0] + b[1]) / 4;
+        T& out = to.plane(c)[std::ptrdiff_t(y) * w + x];
+        out = kind == Pooling::max ? std::max(std::max(a[0], a[1]), std::max(b[0], b[1]))
+                                   : (a[0] + a[1] + b[0] + b[1]) / 4;
       }
   });
 }

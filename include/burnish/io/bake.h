@@ -3,8 +3,8 @@
 //
 // glTF's model (specification 2.0, appendix B, and its extensions) is not that of shade/brdf.h: its coat has the index
 // 1.5 and takes light once, its diffuse base loses 1 - F(vh), a coat neither darkens nor roughens what is below it, and
-// what is let through has the colour of the base. Metalness, indices and roughness (as seen through the coat) go over as
-// they are, a coat of another index by its weight. The base's colour is chosen so that both reflect the same under an
+// what is let through has the colour of the base. Metalness, indices and roughness (as seen through the coat) go over
+// as they are, a coat of another index by its weight. The base's colour is chosen so that both reflect the same under an
 // even sky, seen from all sides, by channel: left as it is, a coated paint would look a fifth brighter there.
 //
 // Lost are glints of flakes smaller than a texel, base_diffuse_roughness, a coat's own normal, and what a coat's index
@@ -41,7 +41,8 @@ inline vec3<float> gltf_brdf_cos(const GltfMaterial& m, const vec3<float>& v, co
   const float nl = std::max(l.z, 1e-4f), nv = std::max(v.z, 1e-4f), x = schlick_weight(dot(v, h));
   const auto lobe = [&](float r) { return ggx_d(r, n, h) * ggx_v_smith_correlated(r, nl, nv); };
   const vec3<float> d0 = min(m.specular_color * f0_from_ior(m.ior), one) * m.specular;
-  const vec3<float> dielectric = d0 + (vec3<float>(m.specular) - d0) * x, metal = m.base_color + (one - m.base_color) * x;
+  const vec3<float> dielectric = d0 + (vec3<float>(m.specular) - d0) * x,
+                    metal = m.base_color + (one - m.base_color) * x;
   const float left = (1 - std::max({dielectric.x, dielectric.y, dielectric.z})) * (1 - m.transmission);
   const vec3<float> base = (m.base_color * (inverse_pi * left) + dielectric * lobe(m.roughness)) * (1 - m.metalness) +
                            metal * (lobe(m.roughness) * m.metalness);
@@ -51,9 +52,9 @@ inline vec3<float> gltf_brdf_cos(const GltfMaterial& m, const vec3<float>& v, co
 }  // namespace detail
 
 struct BakeOptions {
-  float tile = 0.5f;        ///< metres that the pictures repeat after
-  float uv_metres = 1;      ///< metres a unit of uv, see fill_uvs
-  int texels = 512;         ///< a side
+  float tile = 0.5f;    ///< metres that the pictures repeat after
+  float uv_metres = 1;  ///< metres a unit of uv, see fill_uvs
+  int texels = 512;     ///< a side
   /// For viewers that know no transmission, glass is covered by its alpha only in part: so much of the light goes past
   /// it, less where the glass is darker than that. In those that do, both together let through what they should.
   float past_glass = 0.35f;
@@ -125,9 +126,11 @@ inline GltfMaterial gltf_material(const std::string& name, const Surface<float>&
 template <class Model> GltfMaterial bake(const std::string& name, const Model& model, const BakeOptions& o = {}) {
   constexpr std::size_t channels = 8;  // base color, roughness, metalness, normal
   const int n = std::max(o.texels, 6), border = n / 6, side = n + border;
-  std::vector<std::array<float, channels>> wide(std::size_t(side) * std::size_t(side)), out(std::size_t(n) * std::size_t(n));
+  std::vector<std::array<float, channels>> wide(std::size_t(side) * std::size_t(side)),
+      out(std::size_t(n) * std::size_t(n));
   Surface<float> middle;
-  const Frame<float> plane = frame_of(vec3<float>(0.48f, 0.64f, 0.6f));  // oblique: a lattice's own planes are not typical
+  const Frame<float> plane =
+      frame_of(vec3<float>(0.48f, 0.64f, 0.6f));  // oblique: a lattice's own planes are not typical
   parallel_for(side, [&](int y) {
     for (int x = 0; x < side; ++x) {
       const vec2<float> uv(o.tile * (float(x) + 0.5f) / float(n), o.tile * (float(y) + 0.5f) / float(n));
@@ -143,7 +146,8 @@ template <class Model> GltfMaterial bake(const std::string& name, const Model& m
   std::array<float, channels> low = wide[0], high = wide[0];
   for (const auto& texel : wide)
     for (std::size_t c = 0; c < channels; ++c)
-      mean[c] += double(texel[c]) / double(wide.size()), low[c] = std::min(low[c], texel[c]), high[c] = std::max(high[c], texel[c]);
+      mean[c] += double(texel[c]) / double(wide.size()), low[c] = std::min(low[c], texel[c]),
+                                                         high[c] = std::max(high[c], texel[c]);
   const auto varies = [&](std::size_t from, std::size_t count) {
     bool any = false;
     for (std::size_t c = from; c < from + count; ++c) any |= high[c] - low[c] > 1.0f / 512;

@@ -63,7 +63,8 @@ inline Library described(LibraryEntry e, const LibraryRule* rule, const LibraryO
         DescribedViews views = describe_views(scene, options.views);
         LibrarySpace& s = out.spaces["views"];
         s.columns = view_numbers, s.entry.assign(views.azimuth.size(), 0);
-        s.azimuth = std::move(views.azimuth), s.elevation = std::move(views.elevation), s.values = std::move(views.rows);
+        s.azimuth = std::move(views.azimuth), s.elevation = std::move(views.elevation),
+        s.values = std::move(views.rows);
         const Image small = preview(
             scene, burnish::framed(box, 0.6f, 0.22f, Library::thumbnail_width, Library::thumbnail_height).camera(), 24);
         out.thumbnail_of = {0};
@@ -114,7 +115,8 @@ inline bool below(const std::string& path, const std::vector<std::string>& folde
     std::error_code failed;
     std::string top = std::filesystem::absolute(f, failed).lexically_normal().string();
     while (top.size() > 1 && top.back() == '/') top.pop_back();
-    return path.rfind(top, 0) == 0 && (path.size() == top.size() || top == "/" || path[top.size()] == '/' || path[top.size()] == ':');
+    return path.rfind(top, 0) == 0 &&
+           (path.size() == top.size() || top == "/" || path[top.size()] == '/' || path[top.size()] == ':');
   });
 }
 }  // namespace detail
@@ -122,8 +124,9 @@ inline bool below(const std::string& path, const std::vector<std::string>& folde
 /// Brings the index at a path up to date with the folders, and makes it where there is none. What is new, has changed
 /// (in size or time of writing) or falls under another rule is read and described, each file in a process of its own
 /// (children.h); what is gone from the folders is dropped; entries from elsewhere stay. rules: added to the index's.
-/// progress(done, of, seconds that one took) is told; when stop() is true the work ends early: what is done is kept, and
-/// the next call goes on. Error for a folder that is not there and for a damaged index.
+/// progress(done, of, seconds that one took) is told; when stop() is true the work ends early: what is done is kept,
+/// and the next call goes on. Where nothing is new the index is not written. Error for a folder that is not there and
+/// for a damaged index.
 template <class Progress, class Stop>
 LibraryBuild build_library(const std::string& index, const std::vector<std::string>& folders,
                            const std::vector<LibraryRule>& rules, const LibraryOptions& options, Progress progress,
@@ -156,6 +159,7 @@ LibraryBuild build_library(const std::string& index, const std::vector<std::stri
   for (const LibraryEntry& f : files) there.insert(f.path);
   Library kept = merged({&known}, [&](const LibraryEntry& e) { return !there.count(e.path); });
   out.gone = int(known.entries.size() - kept.entries.size());
+  bool news = other_descriptor || out.gone > 0 || !rules.empty();  // that the index has not
   std::vector<LibraryEntry> jobs;
   std::vector<const LibraryRule*> ruled;
   std::vector<LibraryEntry> by_rule;  // refused without a look
@@ -166,7 +170,9 @@ LibraryBuild build_library(const std::string& index, const std::vector<std::stri
     const bool changed = !e || e->bytes != f.bytes || e->modified != f.modified;
     if (rule && !rule->accept) {
       LibraryEntry no = e && !changed ? *e : f;
-      no.status = LibraryStatus::refused, no.by_hand = true, no.reason = "refused by hand: " + rule->pattern;
+      const std::string reason = "refused by hand: " + rule->pattern;
+      news = news || changed || no.status != LibraryStatus::refused || no.reason != reason;
+      no.status = LibraryStatus::refused, no.by_hand = true, no.reason = reason;
       by_rule.push_back(no);
       continue;
     }
@@ -234,7 +240,8 @@ LibraryBuild build_library(const std::string& index, const std::vector<std::stri
       [&] { return !stop(); });
   out.left = int(jobs.size()) - out.done;
   out.seconds = since(start);
-  save();
+  if (news || out.done > 0) save();
+  else out.library = all();
   return out;
 }
 

@@ -61,14 +61,16 @@ inline Camera read_camera(const std::string& path) {
   return c;
 }
 
-inline void write_camera(const std::string& path, const Camera& c) {
+/// As read_camera wants it.
+inline nlohmann::ordered_json camera_json(const Camera& c) {
   const auto list = [](const vec3<float>& v) { return nlohmann::json{v.x, v.y, v.z}; };
   nlohmann::ordered_json j;
   j["width"] = c.width, j["height"] = c.height;
   j["fx"] = c.fx, j["fy"] = c.fy, j["cx"] = c.cx, j["cy"] = c.cy;
   j["position"] = list(c.position), j["look_at"] = list(c.position + c.forward), j["up"] = list(-c.down);
-  write_text(path, j.dump(2) + "\n");
+  return j;
 }
+inline void write_camera(const std::string& path, const Camera& c) { write_text(path, camera_json(c).dump(2) + "\n"); }
 
 /// One camera of a KITTI calibration text, such as "P2"; see Camera::kitti. Width and height are those of the picture.
 inline Camera read_kitti_camera(const std::string& path, const std::string& name, int width, int height) {

@@ -1,9 +1,9 @@
 // burnish/io/children.h -- work on files that nobody vouches for, each in a process of its own: POSIX
 // SPDX-License-Identifier: Apache-2.0
 //
-// A reader may crash, never end or eat all memory; the child process does so alone. It is forked from a program that has
-// no other thread at that moment: burnish's and OpenImageIO's pools are put to sleep for that long. Other threads of the
-// caller must not hold a lock that the work needs.
+// A reader may crash, never end or eat all memory; the child process does so alone. It is forked from a program that
+// has no other thread at that moment: burnish's and OpenImageIO's pools are put to sleep for that long. Other threads
+// of the caller must not hold a lock that the work needs.
 #pragma once
 #include <signal.h>
 #include <fcntl.h>
@@ -125,8 +125,8 @@ inline ChildEnd end_of(int status, double seconds, bool overtime, const ChildLim
 }  // namespace detail
 
 /// work(i) for i = 0 .. count - 1, each in a child process, `workers` at a time; what it changes stays there, what it
-/// leaves in files is left. ended(i, ChildEnd) is called here, in the order in which they end, and tick() some 50 times a
-/// second. When tick() gives false, what runs is killed and no more begun; false then. Error where no process can be
+/// leaves in files is left. ended(i, ChildEnd) is called here, in the order in which they end, and tick() some hundred
+/// times a second. When tick() gives false, what runs is killed and no more begun; false then. Error where no process can be
 /// made.
 template <class Work, class Ended, class Tick>
 bool in_children(int count, int workers, const ChildLimits& limits, Work work, Ended ended, Tick tick) {

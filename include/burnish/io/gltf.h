@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Khronos, glTF 2.0 specification (2021) and its extensions KHR_materials_clearcoat, _transmission, _ior, _specular and
-// KHR_texture_transform. Metres, +Y up; the vehicle's front, +x here, looks to +Z there, as glTF wants it: the root node
-// turns it, everything below stays in the frame of scene/vehicle.h.
+// KHR_texture_transform. Metres, +Y up; the vehicle's front, +x here, looks to +Z there, as glTF wants it: the root
+// node turns it, everything below stays in the frame of scene/vehicle.h.
 #pragma once
 #include <cstdint>
 #include <map>
@@ -76,10 +76,9 @@ public:
     const bool narrow = vertex_count < 65535;
     const std::vector<std::uint16_t> two(list.begin(), list.end());
     const int v = narrow ? view(two.data(), two.size() * 2, 34963) : view(list.data(), list.size() * 4, 34963);
-    return append("accessors", {{"bufferView", v},
-                                {"componentType", narrow ? 5123 : 5125},
-                                {"count", list.size()},
-                                {"type", "SCALAR"}});
+    return append(
+        "accessors",
+        {{"bufferView", v}, {"componentType", narrow ? 5123 : 5125}, {"count", list.size()}, {"type", "SCALAR"}});
   }
   /// {"index": ...} of a picture; the same picture is stored once.
   Json texture(const Image& image, const std::string& name, const vec2<float>& tiles) {
@@ -87,8 +86,8 @@ public:
     const auto [at, fresh] = known_.try_emplace(png, 0);
     if (fresh) {
       if (json.find("samplers") == json.end()) append("samplers", {{"wrapS", 10497}, {"wrapT", 10497}});
-      const int source = append(
-          "images", {{"name", name}, {"mimeType", "image/png"}, {"bufferView", view(png.data(), png.size())}});
+      const int source =
+          append("images", {{"name", name}, {"mimeType", "image/png"}, {"bufferView", view(png.data(), png.size())}});
       at->second = append("textures", {{"sampler", 0}, {"source", source}});
     }
     Json t{{"index", at->second}};
@@ -111,8 +110,8 @@ public:
       return image;
     };
     if (m.base_color_map.width > 0)
-      pbr["baseColorTexture"] =
-          texture(coded(m.base_color_map, [](float x) { return to_srgb(std::max(x, 0.0f)); }), m.name + " base color", m.tiles);
+      pbr["baseColorTexture"] = texture(coded(m.base_color_map, [](float x) { return to_srgb(std::max(x, 0.0f)); }),
+                                        m.name + " base color", m.tiles);
     if (m.roughness_metalness_map.width > 0)
       pbr["metallicRoughnessTexture"] = texture(m.roughness_metalness_map, m.name + " roughness", m.tiles);
     Json j{{"name", m.name}, {"pbrMetallicRoughness", pbr}, {"doubleSided", true}};
@@ -220,9 +219,8 @@ inline void write_gltf(const std::string& path, const Mesh& mesh, const PartMate
     const int shape = file.append(
         "meshes", {{"name", mesh.parts[part].name},
                    {"primitives", {{{"attributes", attributes}, {"indices", indexed}, {"material", at->second}}}}});
-    children.push_back(file.append("nodes", {{"name", mesh.parts[part].name},
-                                             {"mesh", shape},
-                                             {"translation", {middle.x, middle.y, middle.z}}}));
+    children.push_back(file.append(
+        "nodes", {{"name", mesh.parts[part].name}, {"mesh", shape}, {"translation", {middle.x, middle.y, middle.z}}}));
   }
   file.json["nodes"][0]["children"] = children;
   file.write(path);
@@ -235,7 +233,8 @@ inline PartMaterials file_materials(const Mesh& mesh) {
   for (const Part& p : mesh.parts) {
     const auto same = [&](const Part* q) {
       return q->material_index == p.material_index && q->texture == p.texture && q->opacity == p.opacity &&
-             q->base_color.x == p.base_color.x && q->base_color.y == p.base_color.y && q->base_color.z == p.base_color.z;
+             q->base_color.x == p.base_color.x && q->base_color.y == p.base_color.y &&
+             q->base_color.z == p.base_color.z;
     };
     const auto at = std::find_if(first.begin(), first.end(), same);
     out.of_part.push_back(int(at - first.begin()));

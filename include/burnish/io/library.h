@@ -105,7 +105,8 @@ inline Library read_library(const std::string& path) {
     throw damaged(std::string("its entries cannot be read: ") + e.what());
   }
   for (std::size_t i = 1; i < out.entries.size(); ++i)
-    if (!(out.entries[i - 1].path < out.entries[i].path)) throw damaged("its entries are not in the order of their paths");
+    if (!(out.entries[i - 1].path < out.entries[i].path))
+      throw damaged("its entries are not in the order of their paths");
   const auto entries_of = [&](const std::string& name, std::size_t n) {
     const auto at = in.tensors.find(name + ".entry");
     if (at == in.tensors.end() || at->second.shape != std::vector<std::size_t>{n})
@@ -140,7 +141,8 @@ inline Library read_library(const std::string& path) {
     for (const auto& [which, values] : {std::pair{".azimuth", &s.azimuth}, {".elevation", &s.elevation}}) {
       const auto at = in.tensors.find(name + which);
       if (at == in.tensors.end()) continue;
-      if (at->second.shape != std::vector<std::size_t>{t.shape[0]}) throw damaged("tensor " + name + which + " does not fit");
+      if (at->second.shape != std::vector<std::size_t>{t.shape[0]})
+        throw damaged("tensor " + name + which + " does not fit");
       *values = std::move(at->second.values);
     }
     s.values = std::move(t.values);

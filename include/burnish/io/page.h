@@ -58,16 +58,16 @@ public:
   }
   Page& text(const std::string& words) { return add("<p>" + escaped(words) + "</p>\n"); }
   /// A PNG file, embedded.
-  Page& picture(const std::string& path, const std::string& caption) {
-    return figure("png", read_text(path), caption);
-  }
+  Page& picture(const std::string& path, const std::string& caption) { return figure("png", read_text(path), caption); }
   Page& picture(const Image& linear, const std::string& caption) { return figure("jpeg", jpeg_of(linear), caption); }
   /// Two pictures of one size, over each other; a slider wipes from the first (left) to the second.
   Page& compare(const Image& left, const Image& right, const std::string& caption) {
     scripts_ |= 1;
     return add("<figure class=\"wipe\"><div>" + img("jpeg", jpeg_of(right), caption) +
-               img("jpeg", jpeg_of(left), caption) + "</div><input type=\"range\" min=\"0\" max=\"1000\" value=\"500\" "
-               "aria-label=\"wipe\"><figcaption>" + escaped(caption) + "</figcaption></figure>\n");
+               img("jpeg", jpeg_of(left), caption) +
+               "</div><input type=\"range\" min=\"0\" max=\"1000\" value=\"500\" "
+               "aria-label=\"wipe\"><figcaption>" +
+               escaped(caption) + "</figcaption></figure>\n");
   }
   /// Pictures (as jpeg_of makes them) that a drag, a slider or the play button flips through, round and round.
   Page& turntable(const std::vector<std::string>& jpegs, const std::string& caption) {
@@ -77,9 +77,13 @@ public:
     for (std::size_t i = 0; i < jpegs.size(); ++i)
       html += "<img alt=\"" + escaped(caption) + "\"" + (i ? "" : " class=\"on\"") + " draggable=\"false\" src=\"" +
               data("image/jpeg", jpegs[i]) + "\">";
-    return add(html + "</div><p class=\"row\"><button type=\"button\" aria-label=\"play or pause\">&#9654;</button>"
-               "<input type=\"range\" min=\"0\" max=\"" + std::to_string(jpegs.size() - 1) + "\" value=\"0\" "
-               "aria-label=\"turn\"></p><figcaption>" + escaped(caption) + "</figcaption></figure>\n");
+    return add(html +
+               "</div><p class=\"row\"><button type=\"button\" aria-label=\"play or pause\">&#9654;</button>"
+               "<input type=\"range\" min=\"0\" max=\"" +
+               std::to_string(jpegs.size() - 1) +
+               "\" value=\"0\" "
+               "aria-label=\"turn\"></p><figcaption>" +
+               escaped(caption) + "</figcaption></figure>\n");
   }
   /// The first row is the head.
   Page& table(const std::vector<std::vector<std::string>>& rows) {
@@ -127,9 +131,13 @@ public:
   }
   /// The whole file; Error when it cannot be written.
   void write(const std::string& path) const {
-    std::string html = "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\n<meta name=\"viewport\" "
-                       "content=\"width=device-width\">\n<title>" + title_ + "</title>\n<style>" + style + "</style></head>\n"
-                       "<body><main>\n<h1>" + title_ + "</h1>\n";
+    std::string html =
+        "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\n<meta name=\"viewport\" "
+        "content=\"width=device-width\">\n<title>" +
+        title_ + "</title>\n<style>" + style +
+        "</style></head>\n"
+        "<body><main>\n<h1>" +
+        title_ + "</h1>\n";
     if (sections_ > 2) html += "<nav>\n" + contents_ + "</nav>\n";
     html += body_;
     if (open_) html += "</section>\n";
@@ -173,19 +181,23 @@ private:
       "p{max-width:46em;margin:.7em 0;overflow-wrap:anywhere}"
       "img{max-width:100%;height:auto;border-radius:6px;display:block}figure{margin:1.2em 0}"
       "figcaption,small,.legend{color:var(--faint);font-size:.88em}figcaption{margin-top:.4em}"
-      ".scroll{overflow-x:auto}table{border-collapse:collapse;margin:1em 0;font-variant-numeric:tabular-nums;font-size:.93em}"
-      "td,th{padding:.22em 1.3em .22em 0;text-align:left;border-bottom:1px solid var(--line)}th{color:var(--faint);font-weight:500}"
+      ".scroll{overflow-x:auto}table{border-collapse:collapse;margin:1em "
+      "0;font-variant-numeric:tabular-nums;font-size:.93em}"
+      "td,th{padding:.22em 1.3em .22em 0;text-align:left;border-bottom:1px solid "
+      "var(--line)}th{color:var(--faint);font-weight:500}"
       ".numbers{display:flex;flex-wrap:wrap;gap:1em 2.4em;margin:1em 0;color:var(--faint);font-size:.9em}"
       ".numbers b{font-size:1.6em;font-weight:600;color:var(--ink)}.numbers i{font-style:normal}"
       ".bar{display:flex;height:1.1em;border-radius:5px;overflow:hidden;margin:1em 0 .4em}"
       ".bar span,.legend span:before{background:hsl(var(--h) 45% 55%)}"
       ".legend span{margin-right:1em;white-space:nowrap}"
-      ".legend span:before{content:\"\";display:inline-block;width:.7em;height:.7em;border-radius:2px;margin-right:.4em}"
+      ".legend "
+      "span:before{content:\"\";display:inline-block;width:.7em;height:.7em;border-radius:2px;margin-right:.4em}"
       ".wipe div{position:relative}.wipe img+img{position:absolute;inset:0;clip-path:inset(0 50% 0 0)}"
       "input[type=range]{width:100%;accent-color:var(--accent);margin:.5em 0}"
       ".turn div{position:relative;cursor:grab;touch-action:pan-y}.turn img{width:100%;visibility:hidden}"
       ".turn img+img{position:absolute;inset:0}.turn img.on{visibility:visible}"
-      ".wipe{width:fit-content;max-width:100%}.row{display:flex;gap:.8em;max-width:none}.row button{font-size:1em;width:2.8em;padding:0;white-space:nowrap;border:1px solid var(--line);"
+      ".wipe{max-width:800px}.wipe img{width:100%}.row{display:flex;gap:.8em;max-width:none}.row "
+      "button{font-size:1em;width:2.8em;padding:0;white-space:nowrap;border:1px solid var(--line);"
       "border-radius:6px;background:none;color:var(--ink)}";
   static constexpr const char* wipe =
       "for(const f of document.querySelectorAll('.wipe')){const r=f.querySelector('input'),d=f.querySelector('div'),"
@@ -195,7 +207,8 @@ private:
   static constexpr const char* turn =
       "for(const f of document.querySelectorAll('.turn')){const d=f.querySelector('div'),m=[...d.children],"
       "r=f.querySelector('input'),b=f.querySelector('button');let at=0,timer=0,from=null;"
-      "const show=i=>{m[at].className='';at=((Math.round(i)%m.length)+m.length)%m.length;m[at].className='on';r.value=at};"
+      "const "
+      "show=i=>{m[at].className='';at=((Math.round(i)%m.length)+m.length)%m.length;m[at].className='on';r.value=at};"
       "const stop=()=>{clearInterval(timer);timer=0;b.innerHTML='&#9654;'};"
       "const play=()=>{timer=setInterval(()=>show(at+1),4800/m.length);b.innerHTML='&#10074;&#10074;'};"
       "b.onclick=()=>timer?stop():play();r.oninput=()=>{stop();show(+r.value)};"

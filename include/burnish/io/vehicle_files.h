@@ -20,10 +20,10 @@ struct VehicleFiles {
 namespace detail {
 /// Formats of Assimp that hold polygons as a rule.
 inline bool is_mesh_file(const std::filesystem::path& p) {
-  static const std::set<std::string> endings = {".obj", ".glb", ".gltf", ".fbx", ".dae", ".3ds", ".b3d", ".ac",  ".acc",
-                                                ".ac3d", ".blend", ".ply", ".stl", ".x",  ".lwo", ".ase", ".off", ".3mf",
-                                                ".x3d", ".ms3d", ".md2", ".md3", ".md5mesh", ".cob", ".irrmesh", ".dxf",
-                                                ".mesh.xml", ".smd", ".iqm", ".nff", ".q3o", ".xgl", ".ogex", ".wrl"};
+  static const std::set<std::string> endings = {
+      ".obj",     ".glb", ".gltf",     ".fbx", ".dae", ".3ds", ".b3d", ".ac",   ".acc",  ".ac3d", ".blend",   ".ply",
+      ".stl",     ".x",   ".lwo",      ".ase", ".off", ".3mf", ".x3d", ".ms3d", ".md2",  ".md3",  ".md5mesh", ".cob",
+      ".irrmesh", ".dxf", ".smd", ".iqm", ".nff", ".q3o", ".xgl",  ".ogex", ".wrl"};
   return endings.count(lower(p.extension().string())) > 0;
 }
 inline bool is_archive(const std::filesystem::path& p) {

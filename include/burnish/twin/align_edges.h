@@ -14,7 +14,7 @@ struct EdgePoint {
   std::array<float, Appearance::orientations> strength;   // by the gradient's orientation; sums to the point's weight
 };
 /// At most `most` of them, spread evenly. The part behind a jump of depth shows no edge: what lies before it does.
-inline std::vector<EdgePoint> edge_points(const GBuffer& g, const std::vector<float>& tones, int most = 1500) {
+inline std::vector<EdgePoint> edge_points(const GBuffer& g, const Tones& tones, int most = 1500) {
   const Appearance sharp = appearance_of(g, tones, 0);
   const Mask depth = g.frame("depth");
   std::vector<EdgePoint> all;

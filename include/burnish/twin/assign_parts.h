@@ -19,11 +19,11 @@ struct GivenKind {
   std::string from;  // what an Error about it begins with; empty: the material
 };
 struct AssignOptions {
-  bool names = true;                          // whether names of parts and materials are looked at
-  std::vector<std::vector<int>> labels;       // for vote_parts, in the order and size of part_cameras(); may be empty
-  float threshold = 0.5f;                     // IoU from which masks decide
+  bool names = true;                     // whether names of parts and materials are looked at
+  std::vector<std::vector<int>> labels;  // for vote_parts, in the order and size of part_cameras(); may be empty
+  float threshold = 0.5f;                // IoU from which masks decide
   std::vector<GivenKind> given;
-  int width = 256;                            // of a view, pixels
+  int width = 256;  // of a view, pixels
 };
 
 namespace detail {
@@ -62,7 +62,8 @@ inline std::vector<int> mirrored_parts(const Mesh& m) {
       const vec3<float> low(boxes[p].low.x, boxes[p].low.y, 2 * box.center().z - boxes[p].high.z),
           high(boxes[p].high.x, boxes[p].high.y, 2 * box.center().z - boxes[p].low.z);
       const vec3<float> a = low - boxes[q].low, b = high - boxes[q].high;
-      const float d = std::max({std::abs(a.x), std::abs(a.y), std::abs(a.z), std::abs(b.x), std::abs(b.y), std::abs(b.z)});
+      const float d =
+          std::max({std::abs(a.x), std::abs(a.y), std::abs(a.z), std::abs(b.x), std::abs(b.y), std::abs(b.z)});
       if (d < best) best = d, out[p] = int(q);
     }
   }
@@ -97,7 +98,8 @@ inline AssignedParts assign_parts(const Raycaster& scene, const AssignOptions& o
     const float material = all > 0 ? detail::ramp(float(like / all), 0.2f, 0.5f) : 0;
     // A pane too narrow for the views is one when the rest of its material is.
     const float own = like_panes(shapes[p]), pane = shapes[p].share < 0.02f && material > 0.9f && shapes[p].above > 0.7f
-                                                        ? std::max(own, 0.7f) : own * material;
+                                                        ? std::max(own, 0.7f)
+                                                        : own * material;
     std::vector<PartWitness> w{shape_witness(shapes[p], mesh.parts[p], !wheels.empty(), pane),
                                opacity_witness(shapes[p], mesh.parts[p])};
     if (options.names) w.push_back(name_witness(mesh.parts[p]));
@@ -119,7 +121,8 @@ inline AssignedParts assign_parts(const Raycaster& scene, const AssignOptions& o
   for (const GivenKind& g : options.given) {
     bool found = false;
     for (std::size_t p = 0; p < n; ++p) {
-      if (detail::lower(mesh.parts[p].material) != detail::lower(g.material) || (g.part >= 0 && g.part != int(p))) continue;
+      if (detail::lower(mesh.parts[p].material) != detail::lower(g.material) || (g.part >= 0 && g.part != int(p)))
+        continue;
       out.parts[p].kind = g.kind, out.parts[p].confidence = 1, out.parts[p].reason = "given";
       found = fixed[p] = true;
     }
@@ -147,23 +150,33 @@ inline AssignedParts assign_parts(const Raycaster& scene, const AssignOptions& o
     if (!free(p) || shapes[p].open < 0.2f) continue;
     const auto b = beside.find(mesh.parts[p].material_index);
     const double near = b == beside.end() ? 0 : b->second / all_beside;
-    score[mesh.parts[p].material_index] += double(shapes[p].share) * (0.2 + near) *
-                                           (options.names && name_hints(mesh.parts[p].material).paint ? 3 : 1);
+    score[mesh.parts[p].material_index] +=
+        double(shapes[p].share) * (0.2 + near) * (options.names && name_hints(mesh.parts[p].material).paint ? 3 : 1);
   }
-  const auto largest = std::max_element(score.begin(), score.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
+  const auto largest =
+      std::max_element(score.begin(), score.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
   const int main = largest == score.end() ? -1 : largest->first;
   out.body_material = main;
   double area = 0;
   vec3<float> paint;
   float paint_open = 0;
   for (std::size_t p = 0; p < n; ++p) {
-    const bool is = given_body ? fixed[p] && out.parts[p].kind == body : free(p) && mesh.parts[p].material_index == main;
+    const bool is =
+        given_body ? fixed[p] && out.parts[p].kind == body : free(p) && mesh.parts[p].material_index == main;
     if (!is) continue;
-    area += double(shapes[p].share), paint = paint + shapes[p].color * shapes[p].share, paint_open += shapes[p].open * shapes[p].share;
+    area += double(shapes[p].share), paint = paint + shapes[p].color * shapes[p].share,
+                                     paint_open += shapes[p].open * shapes[p].share;
   }
   if (area > 0) paint = paint / float(area), paint_open /= float(area);
   // Exporters write light greys where they know no colour.
   const bool untold = detail::apart(paint, vec3<float>(paint.y)) < 0.01f && paint.y > 0.45f;
+  // A panel at the rear, shaped like a pane, in the body's colour is the body's.
+  for (std::size_t p = 0; p < n; ++p) {
+    const PartShape& s = shapes[p];
+    if (out.parts[p].kind == window && !told[p] && !fixed[p] && s.ends > 0.8f && mesh.parts[p].opacity > 0.9f &&
+        area > 0 && !untold && luminance(paint) > 0.05f && detail::apart(s.color, paint) < 0.06f)
+      out.parts[p].kind = other;
+  }
   for (std::size_t p = 0; p < n; ++p) {
     if (!free(p) || area == 0) continue;
     PartGuess& g = out.parts[p];
@@ -176,12 +189,15 @@ inline AssignedParts assign_parts(const Raycaster& scene, const AssignOptions& o
       g.kind = body, g.confidence = std::max(g.confidence, std::clamp(0.6f + float(area), 0.0f, 0.95f));
       g.reason += (g.reason.empty() ? "" : ", ") + std::string("the largest that remains");
     } else if (outside && away < 0.06f && part.opacity > 0.9f && (!untold || (s.share > 0.03f && s.smooth > 0.3f))) {
-      g.kind = body, g.confidence = 0.75f, g.reason += (g.reason.empty() ? "" : ", ") + std::string("coloured like the body");
+      g.kind = body, g.confidence = 0.75f,
+      g.reason += (g.reason.empty() ? "" : ", ") + std::string("coloured like the body");
     } else if (outside && luminance(s.color) > 0.08f && s.smooth > 0.3f &&
                (double(s.share) > area || (s.share > 0.05f && b != beside.end() && b->second > 0.15 * all_beside))) {
-      g.kind = body, g.confidence = 0.55f, g.reason += (g.reason.empty() ? "" : ", ") + std::string("a second colour of the body");
+      g.kind = body, g.confidence = 0.55f,
+      g.reason += (g.reason.empty() ? "" : ", ") + std::string("a second colour of the body");
     } else {
-      g.kind = other, g.confidence = std::clamp(0.5f + (outside ? 0.0f : 0.3f) + 0.3f * detail::ramp(s.share, 0.05f, 0.005f), 0.0f, 0.9f);
+      g.kind = other, g.confidence = std::clamp(
+                          0.5f + (outside ? 0.0f : 0.3f) + 0.3f * detail::ramp(s.share, 0.05f, 0.005f), 0.0f, 0.9f);
       if (g.reason.empty()) g.reason = "neither body nor anything that was found";
     }
   }
@@ -204,19 +220,24 @@ inline AssignedParts assign_parts(const Raycaster& scene, const AssignOptions& o
   // What could not be told apart.
   std::array<double, part_kinds> seen{};
   for (std::size_t p = 0; p < n; ++p) seen[std::size_t(out.parts[p].kind)] += double(shapes[p].share);
-  const auto largest_part = std::max_element(shapes.begin(), shapes.end(), [](const auto& a, const auto& b) { return a.share < b.share; });
+  const auto largest_part =
+      std::max_element(shapes.begin(), shapes.end(), [](const auto& a, const auto& b) { return a.share < b.share; });
   const std::string most = n > 0 ? mesh.parts[std::size_t(largest_part - shapes.begin())].material : "";
   if (seen[std::size_t(window)] < 0.005)
     out.notes.push_back("windows: no part stands apart" +
-                        (n > 0 && largest_part->share > 0.4f ? "; not separable if there are any: material " + most + " covers " +
-                             detail::percent(largest_part->share) + " of what is seen" : std::string()));
+                        (n > 0 && largest_part->share > 0.4f
+                             ? "; not separable if there are any: material " + most + " covers " +
+                                   detail::percent(largest_part->share) + " of what is seen"
+                             : std::string()));
   if (seen[std::size_t(wheel)] + seen[std::size_t(tyre)] + seen[std::size_t(rim)] < 0.005)
-    out.notes.push_back("wheels: nothing round stands on the ground in pairs: missing, or not separable from material " + most);
+    out.notes.push_back(
+        "wheels: nothing round stands on the ground in pairs: missing, or not separable from material " + most);
   for (std::size_t p = 0; p < n; ++p) {
     const PartShape& s = shapes[p];
     if (s.wheel > 0.05f && s.wheel < 0.9f && s.wheel * s.share > 0.01f)
-      out.notes.push_back("not separable: material " + mesh.parts[p].material + " (part " + std::to_string(p) + ") is " +
-                          std::string(name_of(out.parts[p].kind)) + " and, to " + detail::percent(s.wheel) + ", wheels");
+      out.notes.push_back("not separable: material " + mesh.parts[p].material + " (part " + std::to_string(p) +
+                          ") is " + std::string(name_of(out.parts[p].kind)) + " and, to " + detail::percent(s.wheel) +
+                          ", wheels");
     if (s.share > 0.01f && out.parts[p].confidence < PartGuess::sure)
       out.notes.push_back("unsure: material " + mesh.parts[p].material + " (part " + std::to_string(p) + ", " +
                           detail::percent(s.share) + ") may be " + std::string(name_of(out.parts[p].kind)));

@@ -19,6 +19,8 @@ public:
   }
   /// The cost of a and b on different sides, not negative.
   void edge(int a, int b, float cost) { arcs(a, b, cost, cost); }
+  /// If a is in, so is b.
+  void follow(int a, int b) { arcs(a, b, 1e9f, 0); }
 
   std::vector<bool> solve() {
     while (layered()) {

@@ -1,14 +1,14 @@
 // burnish/twin/edges.h -- what can be seen of a vehicle inside its outline: edges and dark parts, of a photo and a mesh
 // SPDX-License-Identifier: Apache-2.0
 //
-// A photo and a CAD model share neither paint nor light. What they share is where things change (windows, wheels, lamps,
-// creases, seams) and which parts are dark (tyres, panes, what faces the ground). So both become the same few small
-// pictures: edge strength in four orientations, each edge weighed against those around it (as histograms of oriented
-// gradients are: Dalal and Triggs 2005) and blurred, so that what is near counts; and a tone. The outline itself is left
-// out: the mask knows it better.
+// A photo and a CAD model share neither paint nor light. What they share is where things change (windows, wheels,
+// lamps, creases, seams) and which parts are dark (tyres, panes, what faces the ground). So both become the same few
+// small pictures: edge strength in four orientations, each edge weighed against those around it (as histograms of
+// oriented gradients are: Dalal and Triggs 2005) and blurred, so that what is near counts; and a tone. The outline
+// itself is left out: the mask knows it better.
 #pragma once
 #include <burnish/scene/gbuffer.h>
-#include <burnish/scene/vehicle.h>
+#include <burnish/twin/tones.h>
 
 namespace burnish {
 
@@ -54,8 +54,8 @@ inline Mask blurred(const Mask& m, float sigma) {
   return out;
 }
 
-/// The gradient's share of each orientation: cos^2 of the angle to it where that is under a quarter turn's half, summing
-/// to 1.
+/// The gradient's share of each orientation: cos^2 of twice the angle between them where that is under an eighth turn,
+/// else none; they sum to 1.
 inline std::array<float, Appearance::orientations> share_of(float dx, float dy) {
   const float square = dx * dx + dy * dy;
   if (!(square > 0)) return {};
@@ -106,23 +106,6 @@ inline void find_edges(Appearance& a, const std::vector<Mask>& pictures, float c
 
 }  // namespace detail
 
-/// How bright a part of a vehicle is against its paint, in any light: -1 black, 0 paint. By the words of its name and
-/// material and by its opacity.
-inline float tone_of(const Part& p) {
-  const std::string w = detail::words_of(p);
-  const auto any = [&](std::initializer_list<const char*> words) {
-    return std::any_of(words.begin(), words.end(), [&](const char* x) { return w.find(x) != std::string::npos; });
-  };
-  const bool lamp = any({"light", "lamp", "optic", "indicator", "blinker", "reflector"});
-  if (any({"tire", "tyre", "rubber", "pneu"})) return -1;
-  if (!lamp && (p.opacity < 0.75f || any({"glass", "window", "windsh", "windsc", "vitre", "verre", "_glas", "vidro"})))
-    return -0.8f;
-  if (any({"chrom", "_rim", "alloy", "hubcap", "mirror"})) return 0;
-  if (any({"black", "interior", "interna", "under", "grill", "exhaust", "seat", "plastic", "shadow"})) return -0.8f;
-  if (any({"wheel"})) return -0.6f;
-  return 0;
-}
-
 /// The appearance of the photo's vehicle. blur: pixels.
 inline Appearance appearance_of(const Image& photo, const Mask& vehicle, float blur) {
   Appearance a;
@@ -150,16 +133,15 @@ inline Appearance appearance_of(const Image& photo, const Mask& vehicle, float b
     if (vehicle.values[i] > 0.5f) a.tone.values[i] = 2 * rank(light.values[i]) - 1;
   return a;
 }
-/// The appearance that a mesh's G-buffer leads one to expect: parts by their tones (one each, see tone_of), what faces the
-/// sky brighter and what faces the ground dark.
-inline Appearance appearance_of(const GBuffer& g, const std::vector<float>& tones, float blur) {
+/// The appearance that a mesh's G-buffer leads one to expect: what faces the sky brighter, what faces the ground dark.
+inline Appearance appearance_of(const GBuffer& g, const Tones& tones, float blur) {
   Appearance a;
   const int w = a.width = g.width, h = a.height = g.height;
   a.inside = Mask(w, h), a.tone = Mask(w, h);
   std::vector<Mask> pictures(5, Mask(w, h));
   for (int i = 0; i < g.size(); ++i) {
     const std::size_t p = std::size_t(g.pixel[std::size_t(i)]);
-    const float t = tones[std::size_t(g.part[std::size_t(i)])];
+    const float t = tones.at(g, i);
     const vec3<float> n(g.plane[3][std::size_t(i)], g.plane[4][std::size_t(i)], g.plane[5][std::size_t(i)]);
     a.inside.values[p] = 1;
     a.tone.values[p] = n.y < -0.4f ? -0.8f : t < -0.3f ? t + 0.3f * std::max(n.y, 0.0f) : t + 0.4f * n.y;

@@ -52,7 +52,8 @@ inline std::vector<float> fingerprint(const Mesh& mesh) {
         }
         const double share = w[i] * a / area;
         for (std::size_t k = 0; k < 3; ++k) {
-          moments[k] += share * x[k], moments[3 + k] += share * x[k] * x[k], moments[6 + k] += share * x[k] * x[k] * x[k];
+          moments[k] += share * x[k], moments[3 + k] += share * x[k] * x[k],
+              moments[6 + k] += share * x[k] * x[k] * x[k];
           moments[9 + k] += share * x[k] * x[(k + 1) % 3];
         }
       }

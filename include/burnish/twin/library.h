@@ -2,7 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Entries stand in the order of their paths. A space holds rows of numbers, each of one entry, that are compared with a
-// query of the same kind: "views" has a row for every view a vehicle was described from; others may come from elsewhere.
+// query of the same kind: "views" has a row for every view that a vehicle was described from; others may come from
+// elsewhere.
 #pragma once
 #include <algorithm>
 #include <array>
@@ -130,8 +131,8 @@ namespace detail {
 inline const std::string same_as = "same as ";  // begins the reason of a duplicate; a path follows
 }
 
-/// Among the entries that are indexed or duplicates, those of one shape (fingerprint.h): the first is indexed, the others
-/// are its duplicates, but for those that a rule accepts. Their rows stay until merged() is asked.
+/// Among the entries that are indexed or duplicates, those of one shape (fingerprint.h): the first is indexed, the
+/// others are its duplicates, but for those that a rule accepts. Their rows stay until merged() is asked.
 inline void mark_duplicates(Library& library) {
   std::vector<std::size_t> order;
   for (std::size_t i = 0; i < library.entries.size(); ++i) {

@@ -19,20 +19,27 @@ struct MatchOptions {
   float edge_weight = 5;    ///< of the photo's edges against the outline; 0: the outline alone is refined
   bool keep_shape = true;   ///< false: what is found goes with a mesh that is stretched
   bool hidden = true;       ///< whether something may stand before the vehicle
-  float usual = 0.05f;      ///< see RefineOptions
-  std::vector<float> tones = {};  ///< of the parts, see tone_of; empty: by their names
+  float usual = 0.15f;      ///< see RefineOptions
+  std::vector<float> tones = {};  ///< of the parts, see Tones; empty: as they are found
 };
 
 /// A pose and what speaks for it.
 struct PoseCandidate : MatchedPose {
   Agreement agreement;  // with the photo; 0 without one
-  double score = 0;     // of all evidence; comparable among poses and models for one photo
-  double belief = 0;    // 0 .. 1, against all other headings that were found for the same model
+  double score = 0;     // of all evidence, a logarithm; comparable among poses and models for one photo
+  double belief = 0;    // 0 .. 1, against the other headings that were found for the same model
+  bool sure() const { return belief > 0.9; }
 };
 
 namespace detail {
 
-inline constexpr double tone_value = 0.35, edge_value = 0.5, score_step = 0.03;
+/// The logarithm of how likely it is to see that of the right pose rather than of a wrong one: a logistic regression
+/// over renderings of one model matched by another, with and without a bar before it. The tone counts more than there,
+/// where most paints were dark, and the roll less, for photos are held less straight.
+inline double score_of(double iou, const Agreement& a, const Pose<float>& p) {
+  const double roll = double(p.roll) / 0.06;
+  return -3.5 * std::log(1.02 - iou) + 13 * a.edges + 2 * a.tone - 0.5 * roll * roll;
+}
 
 /// Moves and sizes a pose so that the points' box is `want` (x0, y0, x1, y1), as seen in the window.
 inline void fit_box(Pose<float>& p, const std::vector<vec3<float>>& points, const std::array<float, 4>& want,
@@ -71,18 +78,18 @@ struct MatchLevel {
     blur = 0.016f * float(std::max(window.width, window.height));
     if (image.width) photo = appearance_of(window.of(image), target.mask, blur);
   }
-  void judge(PoseCandidate& c, const Raycaster& scene, const std::vector<float>& tones) const {
+  void judge(PoseCandidate& c, const Raycaster& scene, const Tones& tones) const {
     const GBuffer g = scene.trace(target.window.camera(c.pose), 1);
     c.iou = mask_iou(g.frame("coverage"), target.mask);
     if (photo.width) c.agreement = agreement(photo, appearance_of(g, tones, blur));
-    c.score = c.iou + edge_value * c.agreement.edges + tone_value * c.agreement.tone;
+    c.score = score_of(c.iou, c.agreement, c.pose);
   }
 };
 }  // namespace detail
 
-/// The poses in which the mesh looks most like the photo's vehicle, the best first: `keep` of them, no two within a sixth
-/// of a turn. photo: of the mask's size; of no size: by the mask alone. Error where the mask is empty. progress(done, of)
-/// is told.
+/// The poses in which the mesh looks most like the photo's vehicle, the best first: `keep` of them, no two within a
+/// sixth of a turn. photo: of the mask's size; of no size: by the mask alone. Error where the mask is empty.
+/// progress(done, of) is told.
 template <class Progress>
 std::vector<PoseCandidate> match_pose(const Raycaster& scene, const Mask& mask, const Image& photo,
                                       const MatchOptions& options, int keep, Progress progress) {
@@ -92,9 +99,13 @@ std::vector<PoseCandidate> match_pose(const Raycaster& scene, const Mask& mask, 
   const EdgeField coarse_edges(coarse.photo, coarse.target.window), fine_edges(fine.photo, fine.target.window);
   const Mesh& mesh = scene.mesh();
   const MeshEdges edges(mesh);
-  RefineOptions refining{.fit_focal = options.fit_focal, .fit_shape = true, .hidden = options.hidden, .usual = options.usual, .usual_focal = options.focal, .tones = options.tones};
-  if (refining.tones.empty())
-    for (const Part& p : mesh.parts) refining.tones.push_back(tone_of(p));
+  const Tones tones(mesh, options.tones);
+  const RefineOptions refining{.fit_focal = options.fit_focal,
+                               .fit_shape = true,
+                               .hidden = options.hidden,
+                               .usual = options.usual,
+                               .usual_focal = options.focal,
+                               .tones = &tones};
   const Box box = bounds(mesh);
   const vec3<float> size = box.size();
   std::vector<vec3<float>> points;
@@ -123,7 +134,7 @@ std::vector<PoseCandidate> match_pose(const Raycaster& scene, const Mask& mask, 
   parallel_for(int(views.size()), [&](int i) {
     PoseCandidate& c = views[std::size_t(i)];
     detail::fit_box(c.pose, points, want, coarse.target.window, 0.6f * length(size));
-    coarse.judge(c, scene, refining.tones);
+    coarse.judge(c, scene, tones);
     tell(1);
   });
   const auto better = [](const PoseCandidate& x, const PoseCandidate& y) { return x.score > y.score; };
@@ -138,30 +149,38 @@ std::vector<PoseCandidate> match_pose(const Raycaster& scene, const Mask& mask, 
         chosen.push_back(v);
     views = chosen;
   };
-  const auto refine = [&](const MatchLevel& level, const EdgeField* field, int steps, int cost, bool only_place = false) {
+  const bool by_edges = photo.width && options.edge_weight > 0;
+  const auto refine = [&](const MatchLevel& level, const EdgeField& field, int steps, int cost,
+                          bool only_place = false) {
     PoseTarget target = level.target;
-    if (field && level.photo.width && options.edge_weight > 0) target.edges = field, target.edge_weight = options.edge_weight;
+    target.edges = by_edges ? &field : nullptr, target.edge_weight = options.edge_weight;
     RefineOptions how = refining;
     how.steps = steps;
     how.only_place = only_place;
     parallel_for(int(views.size()), [&](int i) {
       PoseCandidate& c = views[std::size_t(i)];
       static_cast<MatchedPose&>(c) = refine_pose(scene, edges, target, c, how);
-      level.judge(c, scene, refining.tones);
+      level.judge(c, scene, tones);
       tell(cost);
     });
   };
   choose(0.1f, first);
-  refine(coarse, &coarse_edges, 14, 8);
+  refine(coarse, coarse_edges, 14, 8);
   choose(1.04f, second);
-  refine(fine, &fine_edges, 24, 40);
+  refine(fine, fine_edges, 24, 40);
   if (options.keep_shape) {
     for (PoseCandidate& v : views) v.stretch = {1, 1, 1};
-    refine(fine, &fine_edges, 8, 10, true);
+    refine(fine, fine_edges, 8, 10, true);
+  } else {
+    parallel_for(int(views.size()), [&](int i) {
+      PoseCandidate& c = views[std::size_t(i)];
+      const Raycaster changed(stretched(mesh, c.stretch));
+      fine.judge(c, changed, Tones(changed.mesh(), options.tones));
+    });
   }
   choose(1.04f, second);
   double sum = 0;
-  for (PoseCandidate& v : views) sum += v.belief = std::exp((v.score - views[0].score) / detail::score_step);
+  for (PoseCandidate& v : views) sum += v.belief = std::exp(v.score - views[0].score);
   for (PoseCandidate& v : views) v.belief /= sum;
   progress(total, total);
   views.resize(std::size_t(std::min(keep, int(views.size()))));
@@ -171,6 +190,28 @@ inline std::vector<PoseCandidate> match_pose(const Raycaster& scene, const Mask&
                                              const MatchOptions& options = {}, int keep = 1) {
   return match_pose(scene, mask, photo, options, keep, [](int, int) {});
 }
+/// One of several models with its poses, the best first.
+struct MatchedModel {
+  int model = 0;
+  std::vector<PoseCandidate> poses;
+};
+/// Matches all models and gives the one first whose best pose has the highest score. scene_of(k) gives model k's
+/// Raycaster, by value or not. progress(done, of) is told over all.
+template <class SceneOf, class Progress>
+std::vector<MatchedModel> match_models(int models, SceneOf scene_of, const Mask& mask, const Image& photo,
+                                       const MatchOptions& options, int keep, Progress progress) {
+  std::vector<MatchedModel> out;
+  for (int k = 0; k < models; ++k) {
+    const auto& scene = scene_of(k);
+    out.push_back({k, match_pose(scene, mask, photo, options, keep,
+                                 [&](int done, int of) { progress(k * of + done, models * of); })});
+  }
+  std::stable_sort(out.begin(), out.end(), [](const MatchedModel& a, const MatchedModel& b) {
+    return a.poses[0].score > b.poses[0].score;
+  });
+  return out;
+}
+
 /// By the mask alone.
 inline std::vector<PoseCandidate> match_pose(const Raycaster& scene, const Mask& mask, const MatchOptions& options = {},
                                              int keep = 1) {

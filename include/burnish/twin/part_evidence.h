@@ -38,7 +38,10 @@ inline float chroma(const vec3<float>& c) {
 /// How much a part is shaped like panes: in the greenhouse, not a roof, smooth, looking outwards, not most of the car.
 inline float like_panes(const PartShape& s) {
   using detail::ramp;
-  return ramp(s.above, 0.7f, 0.92f) * ramp(s.up, 0.4f, 0.15f) * ramp(s.open, 0.3f, 0.55f) *
+  // A black greenhouse may have its roof in one with it.
+  const bool black = luminance(s.color) < 0.03f && s.share > 0.03f;
+  const float roof = black ? ramp(s.up, 0.6f, 0.35f) : ramp(s.up, 0.4f, 0.15f);
+  return roof * ramp(s.above, 0.7f, 0.92f) * ramp(s.open, 0.3f, 0.55f) *
          ramp(s.smooth, 0.1f, 0.25f) * ramp(s.share, 0.45f, 0.3f) * ramp(s.share, 0.001f, 0.004f) *
          ramp(s.height, 0.48f, 0.56f);
 }
@@ -72,8 +75,8 @@ inline PartWitness shape_witness(const PartShape& s, const Part& part, bool any_
   const float lights = like_lights(s);
   const float dark = detail::ramp(luminance(s.color), 0.2f, 0.05f);
   const bool clear = part.opacity < 0.9f;
-  // Panes are clear, dark, grey or blueish, hardly ever red, yellow or brown.
-  const float warm = detail::chroma(s.color) * detail::ramp(s.color.x - s.color.z, 0.02f, 0.1f);
+  // Panes are clear, dark, grey or blueish, hardly ever red, yellow, brown or violet.
+  const float warm = detail::chroma(s.color) * detail::ramp(s.color.x - 0.8f * s.color.z, 0.02f, 0.1f);
   for (const PartKind k : {tyre, rim, wheel}) w[k] = any_wheels ? 0.002f : 0.01f;
   w[window] = 0.02f + panes * (clear ? 1 : (0.55f + 0.25f * dark) * (1 - 0.9f * std::min(1.0f, 1.6f * warm)));
   w[light] = 0.02f + 0.6f * lights * (clear || detail::chroma(s.color) > 0.6f || luminance(s.color) > 0.5f ? 1 : 0.5f);

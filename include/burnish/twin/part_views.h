@@ -34,21 +34,21 @@ inline std::vector<GBuffer> part_views(const Raycaster& scene, int width = 256) 
 
 /// How a part lies in the vehicle and looks. Shares are of its own visible pixels, 0 to 1, where nothing else is said.
 struct PartShape {
-  int pixels = 0;             // in all views together
-  float share = 0;            // of all the vehicle's pixels
-  float wheel = 0;            // inside a wheel's cylinder
-  float inner = 0, outer = 0; // 8th and 95th percentile of the distance from the wheel's axis, in its radii
-  float height = 0;           // mean, in parts of the roof's height
-  float above = 0;            // above 0.45 of the roof's height: where a car has its windows
-  float up = 0;               // facing up, within 17 degrees, as a roof does and hardly a windscreen
-  float ends = 0;             // in the foremost and rearmost seventh of the length
-  float aside = 0;            // mean distance from the middle plane, in half widths
-  float middle = 0;           // in the middle three tenths of the width
-  float balance = 0;          // pixels on the weaker side against those on the stronger
-  float smooth = 0;           // with the same part, of nearly the same normal, 1/128 of the picture away on all sides
-  float open = 0;             // of the rays from it into its hemisphere (cosine), how many leave the vehicle
-  vec3<float> color;          // mean, linear RGB, as the file has it
-  float spread = 0;           // standard deviation of its colour's luminance
+  int pixels = 0;              // in all views together
+  float share = 0;             // of all the vehicle's pixels
+  float wheel = 0;             // inside a wheel's cylinder
+  float inner = 0, outer = 0;  // 8th and 95th percentile of the distance from the wheel's axis, in its radii
+  float height = 0;            // mean, in parts of the roof's height
+  float above = 0;             // above 0.45 of the roof's height: where a car has its windows
+  float up = 0;                // facing up, within 17 degrees, as a roof does and hardly a windscreen
+  float ends = 0;              // in the foremost and rearmost seventh of the length
+  float aside = 0;             // mean distance from the middle plane, in half widths
+  float middle = 0;            // in the middle three tenths of the width
+  float balance = 0;           // pixels on the weaker side against those on the stronger
+  float smooth = 0;            // with the same part, of nearly the same normal, 1/128 of the picture away on all sides
+  float open = 0;              // of the rays from it into its hemisphere (cosine), how many leave the vehicle
+  vec3<float> color;           // mean, linear RGB, as the file has it
+  float spread = 0;            // standard deviation of its colour's luminance
 };
 
 namespace detail {

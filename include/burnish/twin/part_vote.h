@@ -19,7 +19,8 @@ struct PartVote {
 };
 /// For every part the kind whose masks cover most of it. labels: a picture for every view, row by row; a view may be
 /// left out with an empty one. Error for a picture of another size or with another number.
-inline std::vector<PartVote> vote_parts(const std::vector<GBuffer>& views, const std::vector<std::vector<int>>& labels) {
+inline std::vector<PartVote> vote_parts(const std::vector<GBuffer>& views,
+                                        const std::vector<std::vector<int>>& labels) {
   if (labels.size() > views.size())
     throw Error(std::to_string(labels.size()) + " label images for " + std::to_string(views.size()) + " views");
   const std::size_t parts = views.empty() ? 0 : views[0].parts.size();
@@ -53,7 +54,7 @@ inline std::vector<PartVote> vote_parts(const std::vector<GBuffer>& views, const
 inline PartWitness vote_witness(const PartVote& vote, float threshold = 0.5f) {
   PartWitness w(1, "");
   if (vote.pixels < 4 || vote.iou <= threshold) return w;
-  w = PartWitness(0.03f, "masks of " + std::string(name_of(vote.kind)) + ", IoU " + detail::percent(vote.iou));
+  w = PartWitness(1e-4f, "masks of " + std::string(name_of(vote.kind)) + ", IoU " + detail::percent(vote.iou));
   w[vote.kind] = vote.iou;
   if (is_wheel(vote.kind))  // segmenters know wheels, not what of them is rubber
     for (const PartKind k : {PartKind::tyre, PartKind::rim, PartKind::wheel}) w[k] = std::max(w[k], 0.7f * vote.iou);

@@ -21,7 +21,7 @@ namespace burnish {
 enum class PartKind { body, window, wheel, tyre, rim, light, other };
 inline constexpr int part_kinds = 7;
 inline constexpr std::array<std::string_view, part_kinds> part_kind_names{"body", "window", "wheel", "tyre",
-                                                                         "rim",  "light",  "other"};
+                                                                          "rim",  "light",  "other"};
 constexpr std::string_view name_of(PartKind kind) { return part_kind_names[std::size_t(kind)]; }
 /// Nothing when there is no kind of that name.
 constexpr std::optional<PartKind> part_kind_of(std::string_view name) {
@@ -73,8 +73,8 @@ inline NameHints name_hints(const std::string& name) {
     return std::any_of(wanted.begin(), wanted.end(), [&](const char* w) { return words.find(w) != words.npos; });
   };
   NameHints h;
-  h.glass = has({"glass", "window", "windsh", "windsc", "vitre", "verre", "_glas", "vidro", "parabri", "scheibe", "ventan",
-                 "vetro", "cristal"});
+  h.glass = has({"glass", "window", "windsh", "windsc", "vitre", "verre", "_glas", "vidro", "parabri", "scheibe",
+                 "ventan", "vetro", "cristal"});
   h.lamp = has({"light", "lamp", "optic", "indicator", "blinker", "luz", "luces", "faro_", "farol", "phare", "feux",
                 "scheinw", "_turn_", "lanterna", "lite_"});
   h.tyre = has({"tire_", "tires", "tyre", "rubber", "pneu", "borracha", "reifen", "gomma"});
@@ -83,10 +83,11 @@ inline NameHints name_hints(const std::string& name) {
   h.paint = has({"paint", "body", "carroc", "pintura", "firstcolor", "first_color", "main_color", "_lack", "carross",
                  "vernice", "karosse"});
   h.color = has({"_red_", "orange", "yellow", "white"});
-  h.rest = has({"chrom",     "interior", "interna",   "seat",      "plate",    "mirror",  "black",   "grill",   "doorline",
-                "door_line", "metal_",   "steel",     "plastic",   "logo",     "badge",   "under",   "exhaust", "engine",
-                "reflector", "shadow",   "lowpart",   "holes",     "textured", "brake",   "caliper", "banco_",  "painel",
-                "volante",   "motor_",   "armatur",   "dashboard", "sedile",   "asiento", "espelho"});
+  h.rest =
+      has({"chrom",     "interior", "interna", "seat",      "plate",    "mirror",  "black",   "grill",   "doorline",
+           "door_line", "metal_",   "steel",   "plastic",   "logo",     "badge",   "under",   "exhaust", "engine",
+           "reflector", "shadow",   "lowpart", "holes",     "textured", "brake",   "caliper", "banco_",  "painel",
+           "volante",   "motor_",   "armatur", "dashboard", "sedile",   "asiento", "espelho"});
   return h;
 }
 

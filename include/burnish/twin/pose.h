@@ -46,7 +46,7 @@ template <class T> struct Pose {
   }
   /// A point of the vehicle to pixel x, pixel y and depth (metres along the view axis). Its coordinates may be any
   /// numbers of which a T is made.
-  template <class X> constexpr vec3<T> project(const vec3<X>& point) const {
+  template <class X = float> constexpr vec3<T> project(const vec3<X>& point) const {
     const Axes a = axes();
     const vec3<T> p(T(point.x - center.x), T(point.y - center.y), T(point.z - center.z));
     const T z = dot(p, a.forward) + distance, f = focal * float(width);

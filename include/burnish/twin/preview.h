@@ -17,8 +17,8 @@ inline Pose<float> framed(const Box& box, float azimuth, float elevation, int wi
   for (int round = 0; round < 6; ++round) {
     Box seen;
     for (int k = 0; k < 8; ++k)
-      seen.add(p.project({k & 1 ? box.low.x : box.high.x, k & 2 ? box.low.y : box.high.y,
-                          k & 4 ? box.low.z : box.high.z}));
+      seen.add(p.project(vec3<float>(k & 1 ? box.low.x : box.high.x, k & 2 ? box.low.y : box.high.y,
+                                     k & 4 ? box.low.z : box.high.z)));
     const float f = focal * float(width);
     const float scale = std::max(seen.size().x / (0.9f * float(width)), seen.size().y / (0.86f * float(height)));
     p.right -= (seen.center().x - 0.5f * float(width)) / f, p.down -= (seen.center().y - 0.5f * float(height)) / f;
@@ -64,7 +64,8 @@ inline Image preview(const Raycaster& scene, const Camera& camera, int direction
     const vec3<float> mirrored = s.normal * (2 * nv) - s.view;
     const float fresnel = 0.04f + 0.6f * std::pow(1 - nv, 5.0f);
     const float up = std::clamp(mirrored.y * 4 + 0.5f, 0.0f, 1.0f);
-    const float shine = fresnel * (up * sky(mirrored) + (1 - up) * 0.35f) * std::min(1.0f, 3 * free / float(directions));
+    const float shine =
+        fresnel * (up * sky(mirrored) + (1 - up) * 0.35f) * std::min(1.0f, 3 * free / float(directions));
     const vec3<float> color = base * (0.9f * light) + vec3<float>(shine);
     const int p = g.pixel[std::size_t(i)];
     out.set(p % c.width, p / c.width, color);
@@ -88,7 +89,8 @@ inline Image preview(const Raycaster& scene, const Camera& camera, int direction
       float lost = 0;
       for (std::size_t d = 0; d < toward.size(); ++d)
         if (hit[d]) lost += toward[d].y * sky(toward[d]);
-      const float out_there = std::max(std::abs(at.x - box.center().x) / reach.x, std::abs(at.z - box.center().z) / reach.z);
+      const float out_there =
+          std::max(std::abs(at.x - box.center().x) / reach.x, std::abs(at.z - box.center().z) / reach.z);
       const float shade = 1 - 0.85f * lost / open * std::clamp(3 - 3 * out_there, 0.0f, 1.0f);
       out.set(x, y, vec3<float>(shade));
     }

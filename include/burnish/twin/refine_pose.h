@@ -1,4 +1,4 @@
-// burnish/twin/refine_pose.h -- from a pose near by to one whose silhouette covers a mask and whose edges lie on a photo's
+// burnish/twin/refine_pose.h -- from a pose near by to one that covers a mask and has its edges on a photo's
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <burnish/twin/align_edges.h>
@@ -26,7 +26,7 @@ struct MatchedPose {
 struct PoseTarget {
   Window window;
   Mask mask;                        // of the window
-  Mask known = {};                  // of the window: 0 where nobody knows whether the vehicle is there; empty: all known
+  Mask known = {};                  // of the window: 0 where nobody knows whether the vehicle is there; or empty
   const EdgeField* edges = nullptr; // of the same window
   float edge_weight = 1;            // of the photo's edges against the outline
 };
@@ -38,7 +38,7 @@ struct RefineOptions {
   int steps = 30;
   float usual = 0.02f;       ///< how much it counts that photos are taken upright, from about a person's height
   float usual_focal = 1.2f;  ///< in widths of the picture: where the focal length goes when the photo does not tell
-  std::vector<float> tones = {};  ///< of the parts, see tone_of; for the edges
+  const Tones* tones = nullptr;  ///< of the mesh; where the target has edges
 };
 
 namespace detail {
@@ -71,8 +71,8 @@ struct PoseSquares {
   std::array<double, n> slope{};
   std::array<std::array<double, n>, n> curvature{};
 
-  /// Of mask - target on pixels and on blocks of 2, 4, ... of them, each level with one weight a pixel's area: the coarse
-  /// ones see far, the fine ones see well.
+  /// Of mask - target on pixels and on blocks of 2, 4, ... of them, each level with one weight a pixel's area: the
+  /// coarse ones see far, the fine ones see well.
   void add_mask(const Silhouette& seen, const PoseTarget& target, const StretchedPose<float>& pose,
                 bool with_slopes) {
     const int w = target.window.width, h = target.window.height;
@@ -137,8 +137,8 @@ struct PoseSquares {
   }
 };
 
-/// What of the mesh's mask something else may hide: where the photo's mask lacks more than a seam, as wide as a share of
-/// the vehicle. 1 there, else 0.
+/// What of the mesh's mask something else may hide: where the photo's mask lacks more than a seam, as wide as a share
+/// of the vehicle. 1 there, else 0.
 inline Mask hidden_by_others(const Mask& mesh, const Mask& photo) {
   double area = 0;
   Mask lacking(mesh.width, mesh.height);
@@ -185,13 +185,14 @@ inline MatchedPose refine_pose(const Raycaster& scene, const MeshEdges& edges, P
     s.add_usual(1, double(p.pose.elevation - 0.1f) / 0.12, 1 / 0.12, weight);
     s.add_usual(2, double(p.pose.roll) / 0.04, 1 / 0.04, weight);
     if (options.fit_focal)
-      s.add_usual(6, std::log(double(p.pose.focal / options.usual_focal)) / 0.4, 1 / (0.4 * double(p.pose.focal)), weight);
+      s.add_usual(6, std::log(double(p.pose.focal / options.usual_focal)) / 0.4, 1 / (0.4 * double(p.pose.focal)),
+                  weight);
     for (const std::size_t i : {7u, 8u}) s.add_usual(i, double(i == 7 ? p.longer : p.higher) / 0.07, 1 / 0.07, weight);
     s.hold(free);
     return s;
   };
   const auto find_points = [&](const P& p) {
-    if (target.edges) points = edge_points(scene.trace(target.window.camera(p.pose), 1), options.tones);
+    if (target.edges) points = edge_points(scene.trace(target.window.camera(p.pose), 1), *options.tones);
   };
   P at{start.pose, std::log(start.stretch.x), std::log(start.stretch.y)};
   Silhouette seen = look(at);

@@ -17,7 +17,8 @@ inline int split_wheels(Mesh& m, MeshReport& report) {
   const std::vector<int> piece = detail::pieces(m, detail::weld(m));
   std::vector<std::vector<bool>> inside;  // of each piece, for each wheel, whether all of it lies there
   for (std::size_t t = 0; t < m.triangles.size(); ++t) {
-    if (std::size_t(piece[t]) >= inside.size()) inside.resize(std::size_t(piece[t]) + 1, std::vector<bool>(wheels.size(), true));
+    if (std::size_t(piece[t]) >= inside.size())
+      inside.resize(std::size_t(piece[t]) + 1, std::vector<bool>(wheels.size(), true));
     for (std::size_t w = 0; w < wheels.size(); ++w)
       for (int v : m.triangles[t])
         if (wheels[w].radius_at(m.positions[std::size_t(v)]) > 1.05f) inside[std::size_t(piece[t])][w] = false;

@@ -33,14 +33,14 @@ inline std::string in_words(const char* format, double x) {
 }
 }  // namespace detail
 
-/// "" unless the last word of a name says that it is a piece of a vehicle, or none that has a body: "suv_tire", "Bike 2".
+/// "" unless the last word of a name says that it is a piece of a vehicle, or one without a body: "suv_tire", "Bike 2".
 inline std::string odd_name(const std::string& name) {
   static const std::set<std::string> odd = {
-      "wheel",      "wheels",     "tire",     "tires",   "tyre",    "tyres",   "rim",         "rims",      "hubcap",
-      "light",      "lights",     "lamp",     "lamps",   "mirror",  "mirrors", "suspension",  "steering",  "instruments",
-      "accessories", "interior",  "seat",     "seats",   "engine",  "kit",     "pointer",     "pivot",     "bumper",
-      "door",       "doors",      "top",      "plate",   "bike",    "bicycle", "motorbike",   "motorcycle", "scooter",
-      "moped",      "stroller",   "pram",     "tricycle", "skateboard"};
+      "wheel",       "wheels",   "tire", "tires",    "tyre",      "tyres",   "rim",        "rims",       "hubcap",
+      "light",       "lights",   "lamp", "lamps",    "mirror",    "mirrors", "suspension", "steering",   "instruments",
+      "accessories", "interior", "seat", "seats",    "engine",    "kit",     "pointer",    "pivot",      "bumper",
+      "door",        "doors",    "top",  "plate",    "bike",      "bicycle", "motorbike",  "motorcycle", "scooter",
+      "moped",       "stroller", "pram", "tricycle", "skateboard"};
   std::string word, last;
   for (const char c : name + " ") {
     const auto u = static_cast<unsigned char>(c);

@@ -91,8 +91,8 @@ inline std::vector<Wheel> find_wheels(const Mesh& m) {
   std::stable_sort(found.begin(), found.end(), larger), std::stable_sort(spares.begin(), spares.end(), larger);
   std::vector<Wheel> wheels;
   for (const Wheel& w : found) {
-    const auto same = std::find_if(wheels.begin(), wheels.end(),
-                                   [&](const Wheel& a) { return near(a, w.center.x, w.center.z); });
+    const auto same =
+        std::find_if(wheels.begin(), wheels.end(), [&](const Wheel& a) { return near(a, w.center.x, w.center.z); });
     if (same == wheels.end()) {
       wheels.push_back(w);
       continue;

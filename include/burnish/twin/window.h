@@ -13,8 +13,9 @@ struct Window {
 
   /// The whole picture.
   static Window whole(int width, int height) { return {0, 0, width, height, width, height}; }
-  /// Around what the mask covers, and `margin` of its longer side more where the photo goes on: beyond the photo's border
-  /// nobody knows what is there. The window has at most `longest` pixels along its longer side. Error for an empty mask.
+  /// Around what the mask covers, and `margin` of its longer side more where the photo goes on: beyond the photo's
+  /// border nobody knows what is there. The window has at most `longest` pixels along its longer side. Error for an
+  /// empty mask.
   static Window around(const Mask& mask, int longest, float margin = 0.2f) {
     int x0 = mask.width, y0 = mask.height, x1 = 0, y1 = 0;
     for (int j = 0; j < mask.height; ++j)
