@@ -3,9 +3,10 @@
 //
 //   bench_hdr [FOLDER ...]
 //
-// Each panorama is exposed so that the mean luminance of what a camera records (clipped at 1) is 0.18, one stop less and
-// half a stop more, coded in 8-bit sRGB, and given to estimate_hdr. Printed: how far the sun is off, and by how much the
-// irradiances of a horizontal and of four vertical planes are wrong, beside those of the clipped panorama itself.
+// Each panorama is exposed so that the mean luminance of what a camera records (clipped at 1) is 0.18, one stop less
+// and half a stop more, coded in 8-bit sRGB, and given to estimate_hdr. Printed: how far the sun is off, and by how
+// much the irradiances of a horizontal and of four vertical planes are wrong, beside those of the clipped panorama
+// itself.
 #include <cstdio>
 #include <burnish/io/photo.h>
 #include <burnish/street/expose.h>
@@ -72,8 +73,8 @@ int main(int argc, char** argv) {
   }
   std::sort(files.begin(), files.end());
   std::vector<double> ours, plain, ours_sky, plain_sky, ours_lost, plain_lost, off, sure;
-  std::printf("%-30s %5s  %-6s %14s %6s %7s %10s   %-34s  %-34s\n", "panorama", "mean", "found", "sun: elevation", "part",
-              "off", "(sigma)", "error of E: up, +x, -x, +z, -z, %", "of the clipped panorama, %");
+  std::printf("%-30s %5s  %-6s %14s %6s %7s %10s   %-34s  %-34s\n", "panorama", "mean", "found", "sun: elevation",
+              "part", "off", "(sigma)", "error of E: up, +x, -x, +z, -z, %", "of the clipped panorama, %");
   for (const std::string& file : files) {
     Image original = without_flaws(read_photo(file));
     if (original.height > 512) original = detail::resampled_panorama(original, 512);
@@ -83,7 +84,8 @@ int main(int argc, char** argv) {
       const Image ldr = photographed(original, exposure);
       const HdrPanorama found = estimate_hdr(ldr);
       const auto truth = irradiances(original), with = irradiances(found.panorama), without = irradiances(ldr);
-      const double angle = std::acos(std::clamp(dot(vec3<double>(found.sun_direction), sun.direction), -1.0, 1.0)) * 57.29578;
+      const double angle =
+          std::acos(std::clamp(dot(vec3<double>(found.sun_direction), sun.direction), -1.0, 1.0)) * 57.29578;
       std::printf("%-30s %5.3f  %-6s %14.1f %6.3f ", std::filesystem::path(file).filename().c_str(), double(mean),
                   word(found.kind), std::asin(sun.direction.y) * 57.29578, sun.part);
       if (found.kind == SkyKind::none) std::printf("%7s %10s  ", "-", "");
@@ -109,16 +111,17 @@ int main(int argc, char** argv) {
     return v[std::size_t(q * double(v.size() - 1))];
   };
   const auto line = [&](const char* what, const std::vector<double>& a, const std::vector<double>& b) {
-    std::printf("%-62s %4zu   %5.1f %5.1f   %5.1f %5.1f\n", what, a.size(), 100 * part_of(a, 0.5), 100 * part_of(a, 0.9),
-                100 * part_of(b, 0.5), 100 * part_of(b, 0.9));
+    std::printf("%-62s %4zu   %5.1f %5.1f   %5.1f %5.1f\n", what, a.size(), 100 * part_of(a, 0.5),
+                100 * part_of(a, 0.9), 100 * part_of(b, 0.5), 100 * part_of(b, 0.9));
   };
-  std::printf("\n%-62s %4s   %-12s  %s\n", "error of the irradiance, %: median and 90 % below", "n", "estimated", "clipped");
+  std::printf("\n%-62s %4s   %-12s  %s\n", "error of the irradiance, %: median and 90 % below", "n", "estimated",
+              "clipped");
   line("all planes of all panoramas", ours, plain);
   line("under a sky that was found", ours_sky, plain_sky);
   line("and clipping takes more than a tenth of it", ours_lost, plain_lost);
   std::printf("\n%-62s %4s   median, 90 %% below\n", "the sun is off by, degrees", "n");
-  std::printf("%-62s %4zu   %5.1f %5.1f\n", "it is said to be seen, and has 1 % of all light", off.size(), part_of(off, 0.5),
-              part_of(off, 0.9));
+  std::printf("%-62s %4zu   %5.1f %5.1f\n", "it is said to be seen, and has 1 % of all light", off.size(),
+              part_of(off, 0.5), part_of(off, 0.9));
   std::printf("%-62s %4zu   %5.1f %5.1f\n", "it is said to be seen, and sigma is below 2 degrees", sure.size(),
               part_of(sure, 0.5), part_of(sure, 0.9));
 }

@@ -86,9 +86,10 @@ int run(const Options& o) {
   if (found.kind != SkyKind::none) {
     std::printf("  sun          azimuth %.1f (of -z, to +x), elevation %.1f degrees, +- %.1f%s\n", azimuth, elevation,
                 found.sun_sigma * 57.29578, found.kind == SkyKind::sunny ? "" : ": a guess");
-    std::printf("  its strength irradiance %.3f %.3f %.3f (the photo's white is a radiance of 1), right to a factor %.1f\n",
-                double(found.sun_irradiance.x), double(found.sun_irradiance.y), double(found.sun_irradiance.z),
-                found.sun_factor);
+    std::printf(
+        "  its strength irradiance %.3f %.3f %.3f (the photo's white is a radiance of 1), right to a factor %.1f\n",
+        double(found.sun_irradiance.x), double(found.sun_irradiance.y), double(found.sun_irradiance.z),
+        found.sun_factor);
     std::printf("  sky          %.0f %% of the upper half; turbidity %.1f, misfit %.2f of ln radiance\n",
                 100 * found.mask.part, found.sky.sky.turbidity, found.sky.residual);
   }
@@ -109,43 +110,52 @@ int run(const Options& o) {
   const auto panel = [&](const Image& p) { return resized(p, wide, high); };
   Image mask = panorama::shown_mask(panel(ldr), found.mask);
   if (found.kind != SkyKind::none)
-    panorama::mark(mask, found.sun_direction, found.kind == SkyKind::sunny ? vec3<float>(1, 0.8f, 0) : vec3<float>(0.6f));
+    panorama::mark(mask, found.sun_direction,
+                   found.kind == SkyKind::sunny ? vec3<float>(1, 0.8f, 0) : vec3<float>(0.6f));
   std::vector<Panel> panels{{"input, eight bits", panel(ldr)}, {"sky blue, clipped red, sun ringed", mask}};
   const char* const captions[] = {"result", "result, 3 stops less", "result, 6 stops less"};
-  for (int i = 0; i < 3; ++i) panels.push_back({captions[i], panel(panorama::times(light, std::exp2(-3.0f * float(i))))});
+  for (int i = 0; i < 3; ++i)
+    panels.push_back({captions[i], panel(panorama::times(light, std::exp2(-3.0f * float(i))))});
   // The ball is seen from where most of its lit side shows.
   vec3<float> toward(-found.sun_direction.z, 0, found.sun_direction.x);
   toward = dot(toward, toward) > 1e-3f ? normalize(toward) : vec3<float>(0, 0, -1);
-  const Image under_ldr = panorama::ball(ldr, wide, high, toward), under_hdr = panorama::ball(light, wide, high, toward);
+  const Image under_ldr = panorama::ball(ldr, wide, high, toward),
+              under_hdr = panorama::ball(light, wide, high, toward);
   panels.push_back({"a grey ball under the input", under_ldr});
   panels.push_back({"under the result", under_hdr});
   if (truth.width > 0) {
     const Image t = aligned(truth, ldr);
     panels.push_back({"under the truth", panorama::ball(t, wide, high, toward)});
     panels.push_back({"the truth, 3 stops less", panel(panorama::times(t, 0.125f))});
-    std::printf("  brightest    input %.1f, result %.1f, truth %.1f\n", double(peak(ldr)), double(peak(light)), double(peak(t)));
+    std::printf("  brightest    input %.1f, result %.1f, truth %.1f\n", double(peak(ldr)), double(peak(light)),
+                double(peak(t)));
   }
   write_png(o.output + "/panorama.png", sheet(panels, 3));
   drawing.finish("pictures");
-  std::printf("\nDone after %.1f s. %s/panorama.exr is the light, %s/panorama.png shows it, %s/light.json tells of it.\n",
-              whole.seconds(), o.output.c_str(), o.output.c_str(), o.output.c_str());
+  std::printf(
+      "\nDone after %.1f s. %s/panorama.exr is the light, %s/panorama.png shows it, %s/light.json tells of it.\n",
+      whole.seconds(), o.output.c_str(), o.output.c_str(), o.output.c_str());
   return 0;
 }
 }  // namespace
 
 int main(int argc, char** argv) {
   Options o;
-  CLI::App app{"Makes HDR light of a panorama of eight bits: the sky found, the sun put back. No network is asked.\n\n"
-               "  11_panorama --panorama street.jpg --output light\n"
-               "  11_panorama --fisheye left.png right.png --calibration image_02.yaml image_03.yaml --output light\n\n"
-               "Without arguments: a panorama of blender-data, clipped by itself, so that the truth is known."};
+  CLI::App app{
+      "Makes HDR light of a panorama of eight bits: the sky found, the sun put back. No network is asked.\n\n"
+      "  11_panorama --panorama street.jpg --output light\n"
+      "  11_panorama --fisheye left.png right.png --calibration image_02.yaml image_03.yaml --output light\n\n"
+      "Without arguments: a panorama of blender-data, clipped by itself, so that the truth is known."};
   app.option_defaults()->take_last();
   app.add_option("--panorama", o.panorama, "lat-long, level, twice as wide as high; any format OpenImageIO reads");
   app.add_option("--fisheye", o.fisheyes, "pictures of fisheyes, one for each lens, or one frame with all")->take_all();
-  app.add_option("--calibration", o.calibrations, "of the lenses: KITTI-360, OpenCV, WoodScape or Hugin files")->take_all();
+  app.add_option("--calibration", o.calibrations, "of the lenses: KITTI-360, OpenCV, WoodScape or Hugin files")
+      ->take_all();
   app.add_option("--prediction", o.prediction, "a network's HDR panorama: its sky is laid in instead of the estimate");
   app.add_option("--truth", o.truth, "the same panorama in HDR, to be shown beside");
-  app.add_option("--height", o.height, "of the result, rows at most")->check(CLI::Range(64, 8192))->capture_default_str();
+  app.add_option("--height", o.height, "of the result, rows at most")
+      ->check(CLI::Range(64, 8192))
+      ->capture_default_str();
   app.add_option("-o,--output", o.output, "folder for the pictures and files")->capture_default_str();
   try {
     app.parse(argc, argv);

@@ -35,7 +35,8 @@ inline void mark(Image& p, const vec3<float>& direction, const vec3<float>& colo
 inline Image ball(const Image& panorama, int width, int height, const vec3<float>& toward = {0, 0, -1}) {
   GBuffer g;
   g.width = width, g.height = height;
-  const vec3<float> v = toward * -1.0f, right = normalize(cross(toward, vec3<float>(0, 1, 0))), up = cross(right, toward);
+  const vec3<float> v = toward * -1.0f, right = normalize(cross(toward, vec3<float>(0, 1, 0))),
+                    up = cross(right, toward);
   std::vector<std::pair<int, vec3<float>>> seen;
   const float r = 0.46f * float(height);
   for (int y = 0; y < height; ++y)

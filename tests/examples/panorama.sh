@@ -41,7 +41,7 @@ awk 'BEGIN {
 "$program" --help | grep -q "11_panorama --panorama" || fail "--help has no example"
 log=$("$program" --panorama sky.ppm --output found 2>&1) || fail "a run: $log"
 grep -q "the sun is seen" <<<"$log" || fail "the sun is not seen: $log"
-awk '/azimuth/ { exit !($3 > -1.5 && $3 < 1.5 && $8 > 43.5 && $8 < 46.5) }' <<<"$log" || fail "not where the sun is: $log"
+awk '/azimuth/ { exit !($3 > -1.5 && $3 < 1.5 && $9 > 43.5 && $9 < 46.5) }' <<<"$log" || fail "not where the sun is: $log"
 for file in panorama.exr panorama.png light.json; do [ -s "found/$file" ] || fail "no $file"; done
 [ -z "$(find . -name '*.partial')" ] || fail "partial files are left"
 # What it wrote serves as a prediction and as the truth.

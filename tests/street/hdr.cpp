@@ -105,7 +105,8 @@ TEST_CASE("estimate_hdr: what is not clipped stays as it is", "[street][symmetry
     for (int x = 0; x < ldr.width; ++x) {
       const vec3<float> a = ldr.at(x, y), b = found.panorama.at(x, y);
       const bool clipped = std::max({a.x, a.y, a.z}) >= clipped_from;
-      if (dot(latlong_direction((x + 0.5) / ldr.width, (y + 0.5) / ldr.height), vec3<double>(found.sun_direction)) > disc)
+      if (dot(latlong_direction((x + 0.5) / ldr.width, (y + 0.5) / ldr.height), vec3<double>(found.sun_direction)) >
+          disc)
         continue;
       if (!clipped || y > 130) REQUIRE((a.x == b.x && a.y == b.y && a.z == b.z));
       else raised += b.x >= a.x && b.y >= a.y && b.z >= a.z;
@@ -147,7 +148,8 @@ TEST_CASE("estimate_hdr: an even grey sky has no sun", "[street][limit]") {
   CHECK(found.sun_sigma > 0.2);
 }
 TEST_CASE("estimate_hdr, compose_hdr: a picture that is no panorama is refused", "[street][limit]") {
-  CHECK_THROWS_WITH(estimate_hdr(Image(100, 100)), "panorama: 100 x 100, expected a lat-long panorama twice as wide as high");
+  CHECK_THROWS_WITH(estimate_hdr(Image(100, 100)),
+                    "panorama: 100 x 100, expected a lat-long panorama twice as wide as high");
   CHECK_THROWS_WITH(compose_hdr(Image(64, 32), Image(4, 4)),
                     "HDR prediction: 4 x 4, expected a lat-long panorama twice as wide as high");
 }

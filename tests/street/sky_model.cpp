@@ -1,4 +1,4 @@
-// tests/street/sky_model.cpp -- clear skies and their sun, against another implementation, the paper's text and quadrature
+// tests/street/sky_model.cpp -- clear skies and their sun, against others' code, the paper's text, quadrature
 // SPDX-License-Identifier: Apache-2.0
 #include <burnish/street/sky_model.h>
 #include <differences.h>
@@ -33,8 +33,8 @@ TEST_CASE("HosekWilkieSky: as Mitsuba's sunsky has it", "[street][agreement]") {
     s.turbidity = r.turbidity, s.albedo = r.albedo;
     s.sun = {0, std::sin(r.elevation * degree), std::cos(r.elevation * degree)};
     const vec3<double> l = clear_sky_radiance(s, r.direction);
-    worst(std::max({std::fabs(l.x / r.radiance.x - 1), std::fabs(l.y / r.radiance.y - 1),
-                    std::fabs(l.z / r.radiance.z - 1)}));
+    worst(std::max(
+        {std::fabs(l.x / r.radiance.x - 1), std::fabs(l.y / r.radiance.y - 1), std::fabs(l.z / r.radiance.z - 1)}));
   }
   record::claim("clear_sky_radiance, Hosek and Wilkie", "value", "Mitsuba 3.9.1's sunsky", 1e-4, worst.value,
                 long(std::size(rows)));
@@ -46,30 +46,35 @@ TEST_CASE("PreethamSky: the appendix by hand, with its matrices", "[street][valu
       const vec3<double> sun = at(high * degree, 0.4), d = at(0.5, 1.9);
       const double z = 1.5707963267948966 - high * degree, theta = 1.5707963267948966 - 0.5;
       const double gamma = std::acos(dot(sun, d));
-      const auto perez = [&](const double (&m)[5][2], double zenith) {
+      const auto perez = [&](const double(&m)[5][2], double zenith) {
         double k[5];
         for (int i = 0; i < 5; ++i) k[i] = m[i][0] * t + m[i][1];
         const auto f = [&](double a, double g) {
-          return (1 + k[0] * std::exp(k[1] / std::cos(a))) * (1 + k[2] * std::exp(k[3] * g) + k[4] * std::pow(std::cos(g), 2));
+          return (1 + k[0] * std::exp(k[1] / std::cos(a))) *
+                 (1 + k[2] * std::exp(k[3] * g) + k[4] * std::pow(std::cos(g), 2));
         };
         return zenith * f(theta, gamma) / f(0, z);
       };
-      const auto zenith = [&](const double (&m)[3][4]) {
+      const auto zenith = [&](const double(&m)[3][4]) {
         double sum = 0;
         for (int i = 0; i < 3; ++i) {
           for (int k = 0; k < 4; ++k) sum += std::pow(t, 2 - i) * m[i][k] * std::pow(z, 3 - k);
         }
         return sum;
       };
-      const double Y = perez({{0.1787, -1.4630}, {-0.3554, 0.4275}, {-0.0227, 5.3251}, {0.1206, -2.5771}, {-0.0670, 0.3703}},
-                             (4.0453 * t - 4.9710) * std::tan((4.0 / 9 - t / 120) * (3.141592653589793 - 2 * z)) -
-                                 0.2155 * t + 2.4192);
+      const double Y = perez(
+          {{0.1787, -1.4630}, {-0.3554, 0.4275}, {-0.0227, 5.3251}, {0.1206, -2.5771}, {-0.0670, 0.3703}},
+          (4.0453 * t - 4.9710) * std::tan((4.0 / 9 - t / 120) * (3.141592653589793 - 2 * z)) - 0.2155 * t + 2.4192);
       const double x =
           perez({{-0.0193, -0.2592}, {-0.0665, 0.0008}, {-0.0004, 0.2125}, {-0.0641, -0.8989}, {-0.0033, 0.0452}},
-                zenith({{0.00166, -0.00375, 0.00209, 0}, {-0.02903, 0.06377, -0.03202, 0.00394}, {0.11693, -0.21196, 0.06052, 0.25886}}));
+                zenith({{0.00166, -0.00375, 0.00209, 0},
+                        {-0.02903, 0.06377, -0.03202, 0.00394},
+                        {0.11693, -0.21196, 0.06052, 0.25886}}));
       const double y =
           perez({{-0.0167, -0.2608}, {-0.0950, 0.0092}, {-0.0079, 0.2102}, {-0.0441, -1.6537}, {-0.0109, 0.0529}},
-                zenith({{0.00275, -0.00610, 0.00317, 0}, {-0.04214, 0.08970, -0.04153, 0.00516}, {0.15346, -0.26756, 0.06670, 0.26688}}));
+                zenith({{0.00275, -0.00610, 0.00317, 0},
+                        {-0.04214, 0.08970, -0.04153, 0.00516},
+                        {0.15346, -0.26756, 0.06670, 0.26688}}));
       const vec3<double> seen = xyz_from_rgb(clear_sky_radiance(PreethamSky<double>{t, sun}, d));
       const double all = seen.x + seen.y + seen.z;
       worst(std::fabs(seen.y / Y - 1)), worst(std::fabs(seen.x / all - x)), worst(std::fabs(seen.y / all - y));
@@ -78,8 +83,8 @@ TEST_CASE("PreethamSky: the appendix by hand, with its matrices", "[street][valu
   record::claim("clear_sky_radiance, Preetham", "value", "the paper's appendix by hand", 1e-5, worst.value, 6);
 }
 TEST_CASE("sun_irradiance: the whole spectrum, nanometre by nanometre", "[street][value]") {
-  // Planck's law at 5778 K and 6.8e-5 sr, attenuated as the paper has it, through the colour matching functions of Wyman,
-  // Sloan and Shirley (2013): seven wavelengths stand for 400.
+  // Planck's law at 5778 K and 6.8e-5 sr, attenuated as the paper has it, through the colour matching functions of
+  // Wyman, Sloan and Shirley (2013): seven wavelengths stand for 400.
   const auto bell = [](double l, double a, double m, double s1, double s2) {
     const double t = (l - m) * (l < m ? s1 : s2);
     return a * std::exp(-0.5 * t * t);
@@ -95,8 +100,8 @@ TEST_CASE("sun_irradiance: the whole spectrum, nanometre by nanometre", "[street
         const double absorbed = ozone[int(k)] + (ozone[int(k) + 1] - ozone[int(k)]) * (k - int(k));
         const double b = 2 * 6.626e-34 * 2.998e8 * 2.998e8 / std::pow(l * 1e-9, 5) /
                          (std::exp(6.626e-34 * 2.998e8 / (l * 1e-9 * 1.381e-23 * 5778)) - 1) * 6.8e-5 * 1e-9;
-        const double through = std::exp(-path * (0.008735 * std::pow(um, -4.08) +
-                                                 (0.04608 * t - 0.04586) * std::pow(um, -1.3) + 0.35 * absorbed));
+        const double through = std::exp(
+            -path * (0.008735 * std::pow(um, -4.08) + (0.04608 * t - 0.04586) * std::pow(um, -1.3) + 0.35 * absorbed));
         xyz += vec3<double>(bell(l, 0.362, 442.0, 0.0624, 0.0374) + bell(l, 1.056, 599.8, 0.0264, 0.0323) +
                                 bell(l, -0.065, 501.1, 0.0490, 0.0382),
                             bell(l, 0.821, 568.8, 0.0213, 0.0247) + bell(l, 0.286, 530.9, 0.0613, 0.0322),
@@ -109,14 +114,15 @@ TEST_CASE("sun_irradiance: the whole spectrum, nanometre by nanometre", "[street
   }
   record::claim("sun_irradiance", "value", "quadrature over the spectrum", 0.02, worst.value, 9);
   // Haze and a long way through air redden and dim it.
-  const auto high = sun_irradiance(3.0, at(1, 0)), low = sun_irradiance(3.0, at(0.1, 0)), hazy = sun_irradiance(8.0, at(1, 0));
+  const auto high = sun_irradiance(3.0, at(1, 0)), low = sun_irradiance(3.0, at(0.1, 0)),
+             hazy = sun_irradiance(8.0, at(1, 0));
   CHECK(luminance(high) > 5 * luminance(low));
   CHECK(luminance(high) > 1.4 * luminance(hazy));
   CHECK(low.x / low.z > 3 * high.x / high.z);
 }
 TEST_CASE("PreethamSky, HosekWilkieSky: two models of one sky", "[street][agreement]") {
-  // Simulated and fitted by different people a decade apart, they agree in what a clear sky sends down to a factor of 2,
-  // as Hosek and Wilkie found.
+  // Simulated and fitted by different people a decade apart, they agree in what a clear sky sends down to a factor of
+  // 2, as Hosek and Wilkie found.
   for (const double high : {15.0, 35.0, 60.0}) {
     const vec3<double> sun = at(high * degree, 0);
     const HosekWilkieLobes<double> hw = hosek_wilkie_lobes(HosekWilkieSky<double>{3, 0.2, sun});
@@ -140,15 +146,22 @@ TEST_CASE("clear skies: slopes by turbidity, albedo, sun and direction", "[stree
   const auto sun = [](Random& r) { return at(between(r, 0.1, 1.4), between(r, -3, 3)); };
   const auto direction = [](Random& r) { return at(between(r, 0.05, 1.5), between(r, -3, 3)); };
   // The spectrum's ends are a few thousandths of the rest: float is judged by the largest channel.
-  holds("clear_sky_radiance, PreethamSky", [](const auto& s, const auto& d) { return clear_sky_radiance(s, d); },
-        [&](Random& r) { return std::tuple{PreethamSky<double>{turbidity(r), sun(r)}, direction(r)}; },
-        {.rounding = 2e-4, .scale = 10, .step = 1e-3});
+  holds(
+      "clear_sky_radiance, PreethamSky", [](const auto& s, const auto& d) { return clear_sky_radiance(s, d); },
+      [&](Random& r) {
+        return std::tuple{PreethamSky<double>{turbidity(r), sun(r)}, direction(r)};
+      },
+      {.rounding = 2e-4, .scale = 10, .step = 1e-3});
   holds("HosekWilkieSky, HosekWilkieLobes, hosek_wilkie_lobes, clear_sky_radiance",
         Unrecorded{[](const auto& s, const auto& d) { return clear_sky_radiance(s, d); }},
         [&](Random& r) {
           return std::tuple{HosekWilkieSky<double>{turbidity(r), between(r, 0.05, 0.95), sun(r)}, direction(r)};
         },
         {.rounding = 1e-3, .scale = 10, .step = 1e-3});
-  holds("sun_irradiance", [](const auto& t, const auto& s) { return sun_irradiance(t, s); },
-        [&](Random& r) { return std::tuple{turbidity(r), sun(r)}; }, {.rounding = 2e-4, .scale = 100, .step = 1e-3});
+  holds(
+      "sun_irradiance", [](const auto& t, const auto& s) { return sun_irradiance(t, s); },
+      [&](Random& r) {
+        return std::tuple{turbidity(r), sun(r)};
+      },
+      {.rounding = 2e-4, .scale = 100, .step = 1e-3});
 }

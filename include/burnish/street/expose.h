@@ -1,4 +1,4 @@
-// burnish/street/expose.h -- what a camera of eight bits makes of a panorama in HDR: for tests, benches and demonstrations
+// burnish/street/expose.h -- what a camera of eight bits makes of a panorama in HDR: for tests, benches and shows
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <burnish/light/environment.h>

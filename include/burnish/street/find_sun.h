@@ -88,7 +88,8 @@ inline Circle fit_circle(const std::vector<vec3<double>>& rim, const vec3<double
     double a[3][3] = {{1e-3, 0, 0}, {0, 1e-3, 0}, {0, 0, 1e-9}}, b[3] = {}, weights = 0, squares = 0;
     for (std::size_t i = 0; i < rim.size(); ++i) {
       const vec3<double> toward = rim[i] - c.middle * dot(rim[i], c.middle);
-      const double s = std::max(length(toward), 1e-9), r = distance[i] - c.radius, w = 1 / (1 + r * r / spread / spread);
+      const double s = std::max(length(toward), 1e-9), r = distance[i] - c.radius,
+                   w = 1 / (1 + r * r / spread / spread);
       const double j[3] = {-dot(toward, x) / s, -dot(toward, y) / s, -1};
       for (int k = 0; k < 3; ++k) {
         for (int l = 0; l < 3; ++l) a[k][l] += w * j[k] * j[l];
@@ -118,8 +119,8 @@ inline Circle fit_circle(const std::vector<vec3<double>>& rim, const vec3<double
 }
 }  // namespace detail
 
-/// What of the clipped spots of the sky may be the sun, the most plausible first, five degrees apart at least. panorama: as
-/// given to find_sky.
+/// What of the clipped spots of the sky may be the sun, the most plausible first, five degrees apart at least.
+/// panorama: as given to find_sky.
 inline std::vector<SunSpot> find_suns(const Image& panorama, const SkyMask& m) {
   const int w = m.sky.width, h = m.sky.height;
   std::vector<SunSpot> all;
@@ -150,7 +151,8 @@ inline std::vector<SunSpot> find_suns(const Image& panorama, const SkyMask& m) {
       for (int y = 0; y < h; ++y) {
         for (int x = 0; x < w; ++x) {
           if (m.sky.at(x, y) < 0.5f || m.clipped.at(x, y) > 0.5f) continue;
-          const double a = std::acos(std::clamp(dot(latlong_direction((x + 0.5) / w, (y + 0.5) / h), c.middle), -1.0, 1.0));
+          const double a =
+              std::acos(std::clamp(dot(latlong_direction((x + 0.5) / w, (y + 0.5) / h), c.middle), -1.0, 1.0));
           const double l = double(luminance(panorama.at(x, y))), area = detail::texel_area(w, h, y);
           if (a < c.radius + 0.15) near += l * area, near_n += area;
           else if (a > c.radius + 0.5) far += l * area, far_n += area;
@@ -160,14 +162,19 @@ inline std::vector<SunSpot> find_suns(const Image& panorama, const SkyMask& m) {
       const double roundness = 1 / (1 + std::pow(c.rms / (0.3 * c.radius + texel), 2));
       const double size = 1 / (1 + std::pow(std::log(std::max(c.radius, texel) / 0.12) / 1.5, 2));
       const double large = std::pow(s.area / spots[0].area, 0.25);
-      const double plausible = large * roundness * size * (0.25 + 0.75 * glow) * (channels == 3 ? 1 : channels == 2 ? 0.9 : 0.8);
+      const double plausible = large * roundness * size * (0.25 + 0.75 * glow) *
+                               (channels == 3   ? 1
+                                : channels == 2 ? 0.9
+                                                : 0.8);
       if (c.middle.y > -0.02) all.push_back({c.middle, std::hypot(c.sigma, 0.5 * texel), c.radius, plausible});
     }
   }
-  std::stable_sort(all.begin(), all.end(), [](const SunSpot& a, const SunSpot& b) { return a.plausible > b.plausible; });
+  std::stable_sort(all.begin(), all.end(),
+                   [](const SunSpot& a, const SunSpot& b) { return a.plausible > b.plausible; });
   std::vector<SunSpot> apart;
   for (const SunSpot& s : all) {
-    if (std::none_of(apart.begin(), apart.end(), [&](const SunSpot& o) { return dot(o.direction, s.direction) > 0.9962; }))
+    if (std::none_of(apart.begin(), apart.end(),
+                     [&](const SunSpot& o) { return dot(o.direction, s.direction) > 0.9962; }))
       apart.push_back(s);
   }
   return apart;

@@ -17,14 +17,15 @@ enum class SkyKind {
 };
 
 struct HdrPanorama {
-  Image panorama;             ///< linear, the input's size and white
+  Image panorama;  ///< linear, the input's size and white
   SkyKind kind = SkyKind::none;
   vec3<float> sun_direction;  ///< unit, towards the sun; not sunny: the best guess
   double sun_sigma = 3;       ///< its standard deviation, rad; 3 for nothing known
-  vec3<float> sun_irradiance; ///< of a surface that faces the sun, by its disc alone, radiance x sr; 0 where none is seen
-  double sun_factor = 1;      ///< e^(standard deviation of ln sun_irradiance)
-  FittedSky sky;              ///< sky.residual says how well the model holds
-  SkyMask mask;               ///< at mask_height rows
+  vec3<float>
+      sun_irradiance;     ///< of a surface that faces the sun, by its disc alone, radiance x sr; 0 where none is seen
+  double sun_factor = 1;  ///< e^(standard deviation of ln sun_irradiance)
+  FittedSky sky;          ///< sky.residual says how well the model holds
+  SkyMask mask;           ///< at mask_height rows
   SunSpot spot;
 
   static constexpr int mask_height = 256;
@@ -43,11 +44,11 @@ inline double irradiance_up(const Image& p) {
 }  // namespace detail
 
 /// Puts back what was clipped. Error for a panorama that is none (not twice as wide as high, to 2 %).
-HdrPanorama estimate_hdr(const Image& ldr);
+inline HdrPanorama estimate_hdr(const Image& ldr);
 
 /// The paper's composition: the sky from a prediction in HDR (any size, any exposure), all else from the panorama; the
 /// prediction's range is aligned by what is not clipped in the panorama.
-Image compose_hdr(const Image& ldr, const Image& hdr_prediction);
+inline Image compose_hdr(const Image& ldr, const Image& hdr_prediction);
 
 namespace detail {
 inline void check_panorama(const Image& p, const char* what) {
@@ -76,8 +77,8 @@ inline Glow fit_glow(const std::vector<SkySample>& samples, const vec3<double>& 
   return {p * std::log(std::max(inner, 0.02)), p};
 }
 
-/// Of a sky whose luminance is log-normal with a deviation of 0.5 and clipped in that part that the mask says: the mean of
-/// what is clipped. Between 1.2 (a few white clouds) and about 3 (all of it is white).
+/// Of a sky whose luminance is log-normal with a deviation of 0.5 and clipped in that part that the mask says: the
+/// mean of what is clipped. Between 1.2 (a few white clouds) and about 3 (all of it is white).
 inline double mean_above_white(const Image& p, const SkyMask& m) {
   double clipped = 0, all = 1e-9;
   for (int y = 0; y < p.height; ++y) {
@@ -110,7 +111,8 @@ inline SunStrength sun_strength(const Image& small, const HdrPanorama& found, co
   const double through = luminance(sun_irradiance(3.5, sun)) / 126;
   guess(0.7 * std::pow(degrees, 0.6) * through, 0.9);
   // The fitted sky's own sun.
-  const vec3<double> model = sun_irradiance(std::min(found.sky.sky.turbidity, 5.0), sun) * found.sky.scale * (1 / 0.683);
+  const vec3<double> model =
+      sun_irradiance(std::min(found.sky.sky.turbidity, 5.0), sun) * found.sky.scale * (1 / 0.683);
   guess(luminance(model), std::hypot(0.1, 5 * found.sky.residual));
   // The ground's radiance, by its believed albedo.
   std::vector<double> ground;
@@ -120,7 +122,8 @@ inline SunStrength sun_strength(const Image& small, const HdrPanorama& found, co
   }
   const double lit = 3.14159 * median_of(ground) / believed_albedo - sky_up;
   if (up > 0.2) guess(std::max(lit, 0.1 * sky_up) / up, 1.3);
-  // A sun behind a cloud makes a white spot without a slope around; under a sky that is as clear as the model it is seen.
+  // A sun behind a cloud makes a white spot without a slope around; under a sky that is as clear as the model it is
+  // seen.
   const double t = std::clamp(std::max((glow.p - 0.2) / 0.3, (0.1 - found.sky.residual) / 0.06), 0.0, 1.0);
   const double seen = t * t * (3 - 2 * t);
   return {std::exp(sum / weights) * seen, std::sqrt(1 / weights)};
@@ -178,8 +181,15 @@ inline HdrPanorama estimate_hdr(const Image& ldr) {
   const double e = strength.irradiance;
   if (e * up < 0.01 * sky_up && e < 0.03 * sky_up) return out;
   out.kind = SkyKind::sunny;
+  // Its colour: the fitted sky's as far as that holds, else that of a sun of this height, white at 45 degrees.
   const vec3<double> model = sun_irradiance(std::min(out.sky.sky.turbidity, 4.0), sun) * out.sky.scale;
-  out.sun_irradiance = vec3<float>(max(model, vec3<double>(0)) * (e / std::max(luminance(model), 1e-9)));
+  const vec3<double> usual = sun_irradiance(3.0, sun) / sun_irradiance(3.0, vec3<double>(0, 0.7071, 0.7071));
+  const double clear = std::clamp((0.2 - out.sky.residual) / 0.1, 0.0, 1.0);
+  const auto unit_light = [](const vec3<double>& c) {
+    const vec3<double> some = max(c, vec3<double>(1e-9));
+    return some / luminance(some);
+  };
+  out.sun_irradiance = vec3<float>(mix(unit_light(usual), unit_light(model), clear) * e);
   out.sun_factor = std::exp(strength.sigma);
   // The disc, 0.53 degrees wide or at least three texels.
   const double radius = std::max(0.0047, 1.5 * 3.141592653589793 / ldr.height);
@@ -193,7 +203,8 @@ inline HdrPanorama estimate_hdr(const Image& ldr) {
     }
   };
   over_disc([&](int, int y) { area += detail::texel_area(ldr.width, ldr.height, y); });
-  over_disc([&](int x, int y) { out.panorama.set(x, y, out.panorama.at(x, y) + out.sun_irradiance * float(1 / area)); });
+  over_disc(
+      [&](int x, int y) { out.panorama.set(x, y, out.panorama.at(x, y) + out.sun_irradiance * float(1 / area)); });
   return out;
 }
 
@@ -214,8 +225,7 @@ inline Image compose_hdr(const Image& ldr, const Image& hdr_prediction) {
   const float align = ratio.empty() ? 1 : float(detail::median_of(ratio));
   Image out = ldr;
   for (int y = 0; y < ldr.height; ++y) {
-    for (int x = 0; x < ldr.width; ++x)
-      out.set(x, y, mix(ldr.at(x, y), predicted.at(x, y) * align, sky.at(x, y)));
+    for (int x = 0; x < ldr.width; ++x) out.set(x, y, mix(ldr.at(x, y), predicted.at(x, y) * align, sky.at(x, y)));
   }
   return out;
 }

@@ -1,4 +1,4 @@
-// burnish/street/light_field.h -- light that varies along a street: panoramas where they were taken, and the nearest serves
+// burnish/street/light_field.h -- light that varies along a street: panoramas with places, the nearest serves
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <burnish/light/environment.h>

@@ -2,9 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Perez' thought, a radiance that is a product of what depends on the height above the horizon and what depends on the
-// angle from the sun, without his formula: for a sun tried anywhere, ln radiance of each channel is a least-squares sum of
-// smooth functions of both. The sun is where the rest is least. Each channel counts where it is not clipped: blue comes
-// nearest to a low sun.
+// angle from the sun, without his formula: for a sun tried anywhere, ln radiance of each channel is a least-squares
+// sum of smooth functions of both. The sun is where the rest is least. Each channel counts where it is not clipped:
+// blue comes nearest to a low sun.
 #pragma once
 #include <burnish/ad/parallel.h>
 #include <burnish/street/find_sun.h>

@@ -10,11 +10,11 @@ namespace burnish {
 /// A clear sky in the units of a panorama, and how well it is known.
 struct FittedSky {
   HosekWilkieSky<double> sky;
-  vec3<double> scale{1};         ///< panorama / model, a factor for each channel: exposure and white balance
-  vec3<double> sun;              ///< unit
-  double sun_sigma = 3;          ///< rad, of the larger of its two angles
-  double turbidity_sigma = 0;    ///< of ln turbidity
-  double residual = 1e9;         ///< robust rms of ln radiance: 0.1 a clear sky, above 0.4 clouds
+  vec3<double> scale{1};       ///< panorama / model, a factor for each channel: exposure and white balance
+  vec3<double> sun;            ///< unit
+  double sun_sigma = 3;        ///< rad, of the larger of its two angles
+  double turbidity_sigma = 0;  ///< of ln turbidity
+  double residual = 1e9;       ///< robust rms of ln radiance: 0.1 a clear sky, above 0.4 clouds
   int texels = 0;
 
   HosekWilkieLobes<double> lobes() const { return hosek_wilkie_lobes(sky); }
@@ -32,8 +32,9 @@ inline std::vector<SkySample> sky_samples(const Image& p, const SkyMask& m, int 
       const vec3<float> c = p.at(x, y);
       const vec3<double> d = latlong_direction((x + 0.5) / p.width, (y + 0.5) / p.height);
       if (m.sky.at(x, y) < 0.5f || m.clipped.at(x, y) > 0.5f || d.y < 0.035) continue;
-      all.push_back({d, {std::log(std::max(double(c.x), 2e-3)), std::log(std::max(double(c.y), 2e-3)),
-                         std::log(std::max(double(c.z), 2e-3))}});
+      all.push_back({d,
+                     {std::log(std::max(double(c.x), 2e-3)), std::log(std::max(double(c.y), 2e-3)),
+                      std::log(std::max(double(c.z), 2e-3))}});
     }
   }
   std::vector<SkySample> some;
@@ -43,9 +44,9 @@ inline std::vector<SkySample> sky_samples(const Image& p, const SkyMask& m, int 
 }
 }  // namespace detail
 
-/// Levenberg and Marquardt's way (1944, 1963) on ln radiance, texels that fit badly (clouds) counted less (Cauchy at 0.2).
-/// Free are turbidity, the channels' factors and the sun, which is held near `sun` with `sun_sigma` (rad). Slopes are
-/// those of Dual.
+/// Levenberg and Marquardt's way (1944, 1963) on ln radiance, texels that fit badly (clouds) counted less (Cauchy at
+/// 0.2). Free are turbidity, the channels' factors and the sun, which is held near `sun` with `sun_sigma` (rad).
+/// Slopes are those of Dual.
 inline FittedSky fit_sky(const std::vector<detail::SkySample>& samples, const vec3<double>& sun, double sun_sigma,
                          double albedo = 0.2, int steps = 25) {
   constexpr int n = 6;  // ln turbidity, the sun's two angles, ln of three factors
@@ -55,7 +56,8 @@ inline FittedSky fit_sky(const std::vector<detail::SkySample>& samples, const ve
   out.sky.albedo = albedo, out.sun = sun, out.texels = int(samples.size());
   if (samples.size() < 60) return out;
   // The sun's angles are about axes across its first direction.
-  const vec3<double> side = normalize(cross(std::fabs(sun.y) < 0.95 ? vec3<double>(0, 1, 0) : vec3<double>(1, 0, 0), sun)),
+  const vec3<double> side =
+                         normalize(cross(std::fabs(sun.y) < 0.95 ? vec3<double>(0, 1, 0) : vec3<double>(1, 0, 0), sun)),
                      over = cross(sun, side);
   const auto place = [&](const auto& a, const auto& b) {
     using T = std::remove_cvref_t<decltype(a)>;
@@ -77,7 +79,8 @@ inline FittedSky fit_sky(const std::vector<detail::SkySample>& samples, const ve
     }
     for (const auto& sample : samples) {
       const vec3<D> l = clear_sky_radiance(lobes, vec3<D>(sample.direction));
-      const D r[3] = {log(max(l.x, 1e-4f)) + v[3] - sample.ln_radiance.x, log(max(l.y, 1e-4f)) + v[4] - sample.ln_radiance.y,
+      const D r[3] = {log(max(l.x, 1e-4f)) + v[3] - sample.ln_radiance.x,
+                      log(max(l.y, 1e-4f)) + v[4] - sample.ln_radiance.y,
                       log(max(l.z, 1e-4f)) + v[5] - sample.ln_radiance.z};
       for (const D& e : r) {
         const double q = e.value * e.value / 0.04, w = 1 / (1 + q);
@@ -155,7 +158,8 @@ inline FittedSky fit_sky(const std::vector<detail::SkySample>& samples, const ve
   out.sun = place(x[1], x[2]);
   out.sky.turbidity = std::exp(x[0]), out.sky.sun = out.sun;
   out.scale = {std::exp(x[3]), std::exp(x[4]), std::exp(x[5])};
-  out.sun_sigma = std::sqrt(std::max({inverse[1], inverse[2], 0.0})), out.turbidity_sigma = std::sqrt(std::max(inverse[0], 0.0));
+  out.sun_sigma = std::sqrt(std::max({inverse[1], inverse[2], 0.0})),
+  out.turbidity_sigma = std::sqrt(std::max(inverse[0], 0.0));
   std::vector<double> off;
   const auto lobes = out.lobes();
   for (const auto& sample : samples) {

@@ -15,9 +15,9 @@ namespace burnish {
 inline constexpr float clipped_from = 0.9554f;
 
 struct SkyMask {
-  Mask sky, clipped;   ///< 0 or 1; clipped: any channel, anywhere in the panorama
-  double part = 0;     ///< of the upper half sphere that is sky
-  double evidence = 0; ///< that this is a sky and no ceiling: brighter and bluer than the ground; 0 is undecided
+  Mask sky, clipped;    ///< 0 or 1; clipped: any channel, anywhere in the panorama
+  double part = 0;      ///< of the upper half sphere that is sky
+  double evidence = 0;  ///< that this is a sky and no ceiling: brighter and bluer than the ground; 0 is undecided
 };
 
 namespace detail {
@@ -27,13 +27,15 @@ inline double median_of(std::vector<double> v) {
   return v[v.size() / 2];
 }
 /// Every so manieth texel of a row makes rows count by their solid angle.
-inline int row_step(int height, int y) { return std::max(1, int(1 / std::sin((y + 0.5) * 3.141592653589793 / height))); }
+inline int row_step(int height, int y) {
+  return std::max(1, int(1 / std::sin((y + 0.5) * 3.141592653589793 / height)));
+}
 
 /// What the sky is judged by, one texel each.
 struct SkyFeatures {
   int width = 0, height = 0;
-  std::vector<float> light, blue;   // ln luminance, ln blue/red
-  std::vector<char> white, green;   // clipped; the green of plants
+  std::vector<float> light, blue;  // ln luminance, ln blue/red
+  std::vector<char> white, green;  // clipped; the green of plants
 
   explicit SkyFeatures(const Image& p) : width(p.width), height(p.height) {
     const std::size_t n = std::size_t(width) * height;
@@ -47,14 +49,15 @@ struct SkyFeatures {
     }
   }
   double elevation(int y) const { return 90 - (y + 0.5) * 180 / height; }  // degrees
-  /// Medians over the rows between two elevations of what is not clipped: ln luminance and ln blue/red.
+  /// Medians over the rows between two elevations of what is not clipped and not black, as where no lens saw: ln
+  /// luminance and ln blue/red.
   std::array<double, 2> medians(double low, double high, const std::vector<char>* inside = nullptr) const {
     std::vector<double> l, b;
     for (int y = 0; y < height; ++y) {
       if (elevation(y) < low || elevation(y) > high) continue;
       for (int x = 0; x < width; x += row_step(height, y)) {
         const std::size_t i = std::size_t(y) * width + x;
-        if (!white[i] && (!inside || (*inside)[i])) l.push_back(light[i]), b.push_back(blue[i]);
+        if (!white[i] && light[i] > -6.8f && (!inside || (*inside)[i])) l.push_back(light[i]), b.push_back(blue[i]);
       }
     }
     return {median_of(l), median_of(b)};
@@ -123,7 +126,6 @@ inline SkyMask find_sky(const Image& panorama) {
         if (sky[i] && !f.white[i]) last = i;
       }
     }
-    detail::grow_sky(f, may, sky);
   }
   for (std::size_t i = 0; i < n; ++i) {
     out.clipped.values[i] = f.white[i];

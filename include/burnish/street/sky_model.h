@@ -47,8 +47,8 @@ template <class T> constexpr vec3<T> clear_sky_radiance(const PreethamSky<T>& s,
   const std::array<T, 5> kv = {-0.0167f * t - 0.2608f, -0.0950f * t + 0.0092f, -0.0079f * t + 0.2102f,
                                -0.0441f * t - 1.6537f, -0.0109f * t + 0.0529f};
   const T z2 = z * z, z3 = z2 * z;
-  const T zenith = (4.0453f * t - 4.9710f) * tan((4.0f / 9.0f - t * (1.0f / 120.0f)) * (pi - 2.0f * z)) - 0.2155f * t +
-                   2.4192f;
+  const T zenith =
+      (4.0453f * t - 4.9710f) * tan((4.0f / 9.0f - t * (1.0f / 120.0f)) * (pi - 2.0f * z)) - 0.2155f * t + 2.4192f;
   const T zenith_x = t * t * (0.00166f * z3 - 0.00375f * z2 + 0.00209f * z) +
                      t * (-0.02903f * z3 + 0.06377f * z2 - 0.03202f * z + 0.00394f) +
                      (0.11693f * z3 - 0.21196f * z2 + 0.06052f * z + 0.25886f);
@@ -71,8 +71,7 @@ template <class T> struct HosekWilkieSky {
 
   static constexpr auto parameters() {
     return std::tuple{Param{"turbidity", &HosekWilkieSky::turbidity, Range{1, 10}},
-                      Param{"albedo", &HosekWilkieSky::albedo, unit},
-                      Param{"sun", &HosekWilkieSky::sun, Range{-1, 1}}};
+                      Param{"albedo", &HosekWilkieSky::albedo, unit}, Param{"sun", &HosekWilkieSky::sun, Range{-1, 1}}};
   }
 };
 /// What of the model does not depend on the direction; made once, asked for many directions.
@@ -89,7 +88,7 @@ template <class T> struct HosekWilkieLobes {
 /// elevation: as the paper's section 5 has it.
 template <class T> constexpr HosekWilkieLobes<T> hosek_wilkie_lobes(const HosekWilkieSky<T>& s) {
   const T x = pow(detail::sun_elevation(s.sun) * (2.0f / pi), T(1.0f / 3.0f)), u = 1.0f - x, x2 = x * x, u2 = u * u;
-  const std::array<T, 6> bezier = {u2 * u2 * u,         5.0f * u2 * u2 * x,  10.0f * u2 * u * x2,
+  const std::array<T, 6> bezier = {u2 * u2 * u,         5.0f * u2 * u2 * x, 10.0f * u2 * u * x2,
                                    10.0f * u2 * x2 * x, 5.0f * u * x2 * x2, x2 * x2 * x};
   std::array<std::array<T, 10>, 3> sum;
   for (auto& channel : sum) channel.fill(T(0.0f));
@@ -99,8 +98,7 @@ template <class T> constexpr HosekWilkieLobes<T> hosek_wilkie_lobes(const HosekW
       for (std::size_t i = 0; i < 6; ++i) {
         const T weight = near * (a ? s.albedo : 1.0f - s.albedo) * bezier[i];
         for (std::size_t c = 0; c < 3; ++c) {
-          for (std::size_t k = 0; k < 10; ++k)
-            sum[c][k] += weight * detail::hosek_wilkie_table[t][a][i][c][k];
+          for (std::size_t k = 0; k < 10; ++k) sum[c][k] += weight * detail::hosek_wilkie_table[t][a][i][c][k];
         }
       }
     }
@@ -129,10 +127,10 @@ template <class T> constexpr vec3<T> clear_sky_radiance(const HosekWilkieSky<T>&
   return clear_sky_radiance(hosek_wilkie_lobes(s), d);
 }
 
-/// What the sun gives a surface that faces it, through clear air of that turbidity, klx as linear RGB: the attenuation by
-/// molecules, haze and ozone of Preetham's appendix A.1 at seven wavelengths, the sun a black body of 5778 K (126 klx
-/// above the air), seen by the eye of CIE 1931 (Wyman, Sloan and Shirley's curves, 2013). At the horizon and below it is
-/// what the horizon has.
+/// What the sun gives a surface that faces it, through clear air of that turbidity, klx as linear RGB: the
+/// attenuation by molecules, haze and ozone of Preetham's appendix A.1 at seven wavelengths, the sun a black body of
+/// 5778 K (126 klx above the air), seen by the eye of CIE 1931 (Wyman, Sloan and Shirley's curves, 2013). At the
+/// horizon and below it is what the horizon has.
 template <class T> constexpr vec3<T> sun_irradiance(const T& turbidity, const vec3<same<T>>& sun) {
   constexpr float wavelength[7] = {0.40f, 0.45f, 0.50f, 0.55f, 0.60f, 0.65f, 0.70f};  // micrometres
   constexpr float ozone[7] = {0, 0.003f, 0.030f, 0.085f, 0.125f, 0.067f, 0.023f};     // per cm; there are 0.35 cm
@@ -146,9 +144,9 @@ template <class T> constexpr vec3<T> sun_irradiance(const T& turbidity, const ve
   T sum[3] = {T(0.0f), T(0.0f), T(0.0f)};
   for (int i = 0; i < 7; ++i) {
     const float l = wavelength[i];
-    const T through = exp(-path * (0.008735f * float(detail::constant::exp(-4.08 * detail::constant::log(l))) +
-                                   beta * float(detail::constant::exp(-1.3 * detail::constant::log(l))) +
-                                   0.35f * ozone[i]));
+    const T through =
+        exp(-path * (0.008735f * float(detail::constant::exp(-4.08 * detail::constant::log(l))) +
+                     beta * float(detail::constant::exp(-1.3 * detail::constant::log(l))) + 0.35f * ozone[i]));
     for (int c = 0; c < 3; ++c) sum[c] += rgb[c][i] * through;
   }
   return {sum[0], sum[1], sum[2]};
