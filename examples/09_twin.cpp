@@ -48,7 +48,7 @@ Mask vehicle_mask(const Options& o, const Image& photo, std::string& how) {
 int run(Options o) {
   if (o.threads > 0) set_threads(o.threads);
   const bool by_default = o.photo == Options().photo;
-  if (by_default && o.mask.empty() && o.point.empty() && o.box.empty()) o.point = {580, 120};
+  if (by_default && o.mask.empty() && o.point.empty() && o.box.empty()) o.box = {468, 75, 690, 170};
   if (o.mask.empty() && o.point.empty() && o.box.empty())
     throw Error("where is the vehicle in " + o.photo + "? --point x,y or --box x0,y0,x1,y1 or --mask FILE is missing");
   if (o.index.empty()) o.index = o.output + "/library.safetensors";

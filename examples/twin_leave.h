@@ -119,7 +119,8 @@ public:
   void fitted(const fitting::FittedParts& f, const fitting::Settings& settings) {
     report::write_pictures(folder_, f.seen, f.before, f.after);
     page_.heading("The materials");
-    page_.compare(report::panel(shot::linear(f.seen.photo.image)), report::panel(f.after), "The photo; the twin over it.");
+    page_.compare(report::panel(shot::linear(f.seen.photo.image)), report::panel(f.after),
+                  "The photo; the twin over it.");
     page_.picture(folder_ + "/fit.png", "Photo, first paint, fitted materials, and what is left where both overlap.");
     const report::Rows rows = report::numbers(f.materials, settings);
     report::print(rows);
