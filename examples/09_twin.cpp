@@ -6,12 +6,14 @@
 // fitted; model, materials, pictures and a page are written.
 #include <CLI/CLI.hpp>
 #include <burnish/io/camera.h>
+#include <burnish/io/network.h>
 #include <burnish/io/parts.h>
 #include <burnish/twin/assign_parts.h>
 #include <burnish/twin/part_labels.h>
 #include <burnish/twin/photo_parts.h>
 #include <burnish/twin/segment_at.h>
 #include "fit_report.h"
+#include "pattern.h"
 #include "twin_find.h"
 #include "twin_leave.h"
 
@@ -21,10 +23,11 @@ namespace {
 struct Options {
   std::string photo = "/usr/share/darknet/data/dog.jpg", mask, vehicle, parts, index, output = "burnish-twin";
   std::string environment = "/usr/share/blender/datafiles/studiolights/world/city.exr";
-  std::vector<std::string> folders;
+  std::vector<std::string> folders, detector;
   std::vector<float> point, box;
   float focal = 0;
   int candidates = 5, frames = 48, threads = 0;
+  bool pattern = false;
   fitting::Settings fit;
 };
 
@@ -35,6 +38,16 @@ Mask vehicle_mask(const Options& o, const Image& photo, std::string& how) {
     return read_mask(o.mask, photo.width, photo.height);
   }
   Progress bar("segment");
+  if (o.box.empty() && !o.detector.empty()) {
+    Network network(o.detector[0], o.detector[1]);
+    if (const auto seen = vehicle_at(detect(network, photo), o.point[0], o.point[1])) {
+      how = "cut out of the detector's box";
+      const Segmented s = segment(photo, seen->box, for_detections());
+      bar.finish(how);
+      return s.mask;
+    }
+    std::printf("  the detector sees no vehicle at the point\n");
+  }
   const Segmented s = o.box.size() == 4 ? segment(photo, PixelBox{o.box[0], o.box[1], o.box[2], o.box[3]})
                                         : segment(photo, vec2<float>(o.point[0], o.point[1]));
   char text[120];
@@ -117,8 +130,10 @@ int run(Options o) {
   lap("parts");
 
   o.fit.checkpoints = o.output;
+  o.fit.freeze.push_back("glass");  // of a pane one photo shows what lies behind it
+  const fitting::MoreLoss pattern = o.pattern ? fitting::pattern(FilterBank{}, 1) : fitting::MoreLoss();
   const fitting::FittedParts fitted =
-      fitting::fit_parts(scene, roles_of, target, camera, panorama, o.fit, {}, fitting::on_terminal());
+      fitting::fit_parts(scene, roles_of, target, camera, panorama, o.fit, pattern, fitting::on_terminal());
   report::write_materials(o.output, fitted.materials, fitted.seen);
   leave.fitted(fitted, o.fit);
   lap("fit");
@@ -148,6 +163,11 @@ int main(int argc, char** argv) {
   app.add_option("--point", o.point, "x,y of a pixel inside the vehicle")->delimiter(',')->expected(2);
   app.add_option("--box", o.box, "x0,y0,x1,y1 around the vehicle, pixels")->delimiter(',')->expected(4);
   app.add_option("--mask", o.mask, "the vehicle in the photo: white, same size");
+  app.add_option("--detector", o.detector,
+                 "PLAN.cfg,WEIGHTS: a Darknet detector with COCO's classes, from --point to a box")
+      ->delimiter(',')
+      ->expected(2)
+      ->take_all();
   app.add_option("--library", o.folders, "folders with vehicle files and zip archives")->take_all();
   app.add_option("--index", o.index, "of the library; if not given, library.safetensors in the output folder");
   app.add_option("--vehicle", o.vehicle, "this vehicle instead of a library's");
@@ -159,6 +179,7 @@ int main(int argc, char** argv) {
       ->capture_default_str();
   app.add_option("--parts", o.parts, "what the materials are, as 07_assign_parts writes it");
   app.add_option("--environment", o.environment, "lat-long panorama, EXR or HDR")->capture_default_str();
+  app.add_flag("--pattern", o.pattern, "compare the parts' patterns, too: masked Gram matrices of a filter bank");
   app.add_option("--frames", o.frames, "of the turntable; 0: none")->check(CLI::Range(0, 360))->capture_default_str();
   app.add_option("--threads", o.threads, "0: all cores")->check(CLI::Range(0, 1024))->capture_default_str();
   app.add_option("-o,--output", o.output, "folder for pictures and files")->capture_default_str();
