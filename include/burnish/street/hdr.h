@@ -21,8 +21,8 @@ struct HdrPanorama {
   SkyKind kind = SkyKind::none;
   vec3<float> sun_direction;  ///< unit, towards the sun; not sunny: the best guess
   double sun_sigma = 3;       ///< its standard deviation, rad; 3 for nothing known
-  vec3<float>
-      sun_irradiance;     ///< of a surface that faces the sun, by its disc alone, radiance x sr; 0 where none is seen
+  /// Of a surface that faces the sun, by its disc alone, radiance x sr; 0 where none is seen.
+  vec3<float> sun_irradiance;
   double sun_factor = 1;  ///< e^(standard deviation of ln sun_irradiance)
   FittedSky sky;          ///< sky.residual says how well the model holds
   SkyMask mask;           ///< at mask_height rows
@@ -32,7 +32,7 @@ struct HdrPanorama {
 };
 
 namespace detail {
-/// Irradiance of an upward surface, by all or by the upper half.
+/// Irradiance of an upward surface, luminance.
 inline double irradiance_up(const Image& p) {
   double sum = 0;
   for (int y = 0; y < p.height / 2; ++y) {
