@@ -34,6 +34,11 @@ if [ -z "$quick" ] && ! find_clang >/dev/null; then
   if grep -qs '^VERSION_ID="12"' /etc/os-release; then packages+=(clang-16); else packages+=(clang); fi
 fi
 needs "${packages[@]}" || exit
+# The sanitizers' own library, which the distributions keep apart.
+if [ -z "$quick" ] && ! echo 'int main() {}' | "$(find_clang)" -x c++ -fsanitize=address -o /dev/null - 2>/dev/null; then
+  version=$("$(find_clang)" -dumpversion)
+  needs "libclang-rt-${version%%.*}-dev" || exit
+fi
 
 passed=0 failed=0
 # leg PRESET [CMAKE ARGUMENT...]: configures, builds and tests one preset of CMakePresets.json, and adds to the totals
