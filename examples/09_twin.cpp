@@ -31,12 +31,8 @@ struct Options {
   fitting::Settings fit;
 };
 
-/// Where the vehicle is, and how that was found.
-Mask vehicle_mask(const Options& o, const Image& photo, std::string& how) {
-  if (!o.mask.empty()) {
-    how = "the mask " + o.mask;
-    return read_mask(o.mask, photo.width, photo.height);
-  }
+/// Where the vehicle is, without a mask's file, and how that was found.
+Mask cut_out(const Options& o, const Image& photo, std::string& how) {
   Progress bar("segment");
   if (o.box.empty() && !o.detector.empty()) {
     Network network(o.detector[0], o.detector[1]);
@@ -64,6 +60,8 @@ int run(Options o) {
   if (by_default && o.mask.empty() && o.point.empty() && o.box.empty()) o.box = {468, 75, 690, 170};
   if (o.mask.empty() && o.point.empty() && o.box.empty())
     throw Error("where is the vehicle in " + o.photo + "? --point x,y or --box x0,y0,x1,y1 or --mask FILE is missing");
+  if (!o.point.empty() && o.point.size() != 2) throw Error("--point: expected x,y");
+  if (!o.box.empty() && o.box.size() != 4) throw Error("--box: expected x0,y0,x1,y1");
   if (o.index.empty()) o.index = o.output + "/library.safetensors";
   if (o.folders.empty() && o.vehicle.empty() && !std::filesystem::exists(o.index))
     o.folders = {"/usr/share/sweethome3d/furniture"};
@@ -77,13 +75,21 @@ int run(Options o) {
   const Image photo = read_photo(o.photo), panorama = read_photo(o.environment);
   std::vector<GivenKind> given;
   if (!o.parts.empty()) given = read_parts(o.parts);
+  Mask mask;
+  std::string how = "the mask " + o.mask;
+  if (!o.mask.empty()) {
+    mask = read_mask(o.mask, photo.width, photo.height);
+    if (std::none_of(mask.values.begin(), mask.values.end(), [](float x) { return x > 0.5f; }))
+      throw Error(o.mask + ": no pixel is white, expected the vehicle to be");
+  }
+  for (const std::string& f : o.folders)
+    if (!std::filesystem::exists(f)) throw Error(f + ": no such folder, expected one with vehicle files");
   check_writable(o.output);
   catch_interrupt();
   lap("read");
 
   twin::Leavings leave(o.output, o.photo);
-  std::string how;
-  const Mask mask = vehicle_mask(o, photo, how);
+  if (o.mask.empty()) mask = cut_out(o, photo, how);
   write_png(o.output + "/mask.png", mask);
   lap("segment");
 

@@ -26,8 +26,9 @@ TEST_CASE("Embeddings: rows and their names come from each kind of file", "[io][
   write_safetensors(folder / "d.safetensors", {{{"x", vectors}, {"y", vectors}}, {}});
   CHECK(error_of([&] { read_embeddings(folder / "d.safetensors"); }) ==
         (folder / "d.safetensors") + ": 2 arrays and none called \"vectors\"");
-  write_npy(folder / "e.npy", {{2}, {1, std::nanf("")}});
-  CHECK(error_of([&] { read_embeddings(folder / "e.npy"); }) == (folder / "e.npy") + ": shape [2], expected [N, D]");
+  write_npy(folder / "e.npy", {{2, 1, 1}, {1, std::nanf("")}});
+  CHECK(error_of([&] { read_embeddings(folder / "e.npy"); }) ==
+        (folder / "e.npy") + ": shape [2, 1, 1], expected [N, D]");
   write_npy(folder / "e.npy", {{2, 1}, {1, std::nanf("")}});
   CHECK(error_of([&] { read_embeddings(folder / "e.npy"); }).find("row 1 is not finite") != std::string::npos);
   CHECK(error_of([&] { read_embeddings(folder / "e.csv"); }).find("expected a .npy, .npz or .safetensors file") !=

@@ -77,7 +77,7 @@ inline PartWitness shape_witness(const PartShape& s, const Part& part, bool any_
   const bool clear = part.opacity < 0.9f;
   // Panes are clear, dark, grey or blueish, hardly ever red, yellow, brown or violet.
   const float warm = detail::chroma(s.color) * detail::ramp(s.color.x - 0.8f * s.color.z, 0.02f, 0.1f);
-  for (const PartKind k : {tyre, rim, wheel}) w[k] = any_wheels ? 0.002f : 0.01f;
+  for (const PartKind k : {tyre, rim, wheel}) w[k] = any_wheels ? 0.002f : 0.05f;  // none found: names may know
   w[window] = 0.02f + panes * (clear ? 1 : (0.55f + 0.25f * dark) * (1 - 0.9f * std::min(1.0f, 1.6f * warm)));
   w[light] = 0.02f + 0.6f * lights * (clear || detail::chroma(s.color) > 0.6f || luminance(s.color) > 0.5f ? 1 : 0.5f);
   const float outer = detail::ramp(s.open, 0.15f, 0.5f);

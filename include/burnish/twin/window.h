@@ -1,7 +1,10 @@
 // burnish/twin/window.h -- the part of a photo that holds the vehicle, at the size at which it is looked at
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <algorithm>
+#include <cmath>
 #include <burnish/scene/error.h>
+#include <burnish/scene/image.h>
 #include <burnish/twin/pose.h>
 
 namespace burnish {
