@@ -133,7 +133,11 @@ std::vector<PoseCandidate> match_pose(const Raycaster& scene, const Mask& mask, 
   const auto want = detail::box_of(coarse.target.mask);
   parallel_for(int(views.size()), [&](int i) {
     PoseCandidate& c = views[std::size_t(i)];
-    detail::fit_box(c.pose, points, want, coarse.target.window, 0.6f * length(size));
+    const float elevation = c.pose.elevation;
+    for (int round = 0; round < 3; ++round) {  // the elevations are the camera's, wherever in the picture the vehicle is
+      detail::fit_box(c.pose, points, want, coarse.target.window, 0.6f * length(size));
+      c.pose.elevation += elevation - c.pose.view_elevation();
+    }
     coarse.judge(c, scene, tones);
     tell(1);
   });

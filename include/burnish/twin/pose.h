@@ -34,6 +34,9 @@ template <class T> struct Pose {
                       Fixed{&Pose::width},
                       Fixed{&Pose::height}};
   }
+  /// How far above the horizon the camera stands, seen from the center, rad: elevation is that of the view axis, which
+  /// is another one where the vehicle lies above or below the picture's middle. For small rolls.
+  constexpr T view_elevation() const { return elevation + atan2(down, T(1.0f)); }
   /// The camera's axes in the vehicle's frame.
   struct Axes {
     vec3<T> right, down, forward;

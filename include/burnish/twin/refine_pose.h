@@ -122,10 +122,13 @@ struct PoseSquares {
       for (std::size_t j = 0; j < n; ++j) curvature[i][j] += 0.5 * weight * sum.curvature[i][j];
     }
   }
-  /// A number that is usually near 0, by `step` or so: place is it, d its slope by parameter i.
-  void add_usual(std::size_t i, double place, double d, double weight) {
+  /// A number that is usually near 0, by 1 or so: place is it, d its slope by parameter i, e that by j.
+  void add_usual(std::size_t i, double place, double d, double weight, std::size_t j = 0, double e = 0) {
     loss += weight * place * place;
     slope[i] += weight * place * d, curvature[i][i] += weight * d * d;
+    if (e == 0) return;
+    slope[j] += weight * place * e, curvature[j][j] += weight * e * e;
+    curvature[i][j] += weight * d * e, curvature[j][i] += weight * d * e;
   }
   /// Parameters that are not free neither move nor count.
   template <class F> void hold(F free) {
@@ -182,7 +185,8 @@ inline MatchedPose refine_pose(const Raycaster& scene, const MeshEdges& edges, P
   // What is usual counts as much as a few independent observations of the misfit: nothing where the mesh fits.
   const auto with_usual = [&](PoseSquares s, const P& p, double misfit) {
     const double weight = double(options.usual) * misfit;
-    s.add_usual(1, double(p.pose.elevation - 0.1f) / 0.12, 1 / 0.12, weight);
+    s.add_usual(1, double(p.pose.view_elevation() - 0.1f) / 0.12, 1 / 0.12, weight, 5,
+                1 / (0.12 * (1 + double(p.pose.down) * double(p.pose.down))));
     s.add_usual(2, double(p.pose.roll) / 0.04, 1 / 0.04, weight);
     if (options.fit_focal)
       s.add_usual(6, std::log(double(p.pose.focal / options.usual_focal)) / 0.4, 1 / (0.4 * double(p.pose.focal)),
