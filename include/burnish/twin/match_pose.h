@@ -134,7 +134,7 @@ std::vector<PoseCandidate> match_pose(const Raycaster& scene, const Mask& mask, 
   parallel_for(int(views.size()), [&](int i) {
     PoseCandidate& c = views[std::size_t(i)];
     const float elevation = c.pose.elevation;
-    for (int round = 0; round < 3; ++round) {  // the elevations are the camera's, wherever in the picture the vehicle is
+    for (int round = 0; round < 3; ++round) {  // elevations are the camera's, wherever the vehicle lies in the picture
       detail::fit_box(c.pose, points, want, coarse.target.window, 0.6f * length(size));
       c.pose.elevation += elevation - c.pose.view_elevation();
     }
