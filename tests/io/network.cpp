@@ -113,6 +113,14 @@ TEST_CASE("Network: an ONNX product of a flattened picture is an embedding", "[i
   }
 }
 
+TEST_CASE("Network: its input is stretched as codes, half of white and black is 1/2", "[io][value]") {
+  Image photo(2, 1);
+  photo.set(0, 0, {1, 1, 1});
+  const Tensor x = network_input(photo, 1, 1);
+  REQUIRE(x.size() == 3);
+  for (const float v : x.values) CHECK(v == Approx(0.5).margin(1e-6));  // the code of the mean light is 0.735
+}
+
 namespace {
 /// A detector of one cell: any picture has one object in its middle, as large as its anchor; a bias says how sure, and the
 /// colour says of which of eight classes: red 2, blue 0.

@@ -109,16 +109,16 @@ private:
 };
 
 /// A photo as networks want it, 1 x 3 x height x width: encoded (sRGB) red, green, blue, (code - mean) / deviation, codes
-/// 0 .. 1. Stretched to that size.
+/// 0 .. 1. Stretched to that size as codes, not as light: so were the pictures that networks learn from.
 inline Tensor network_input(const Image& photo, int width, int height, const std::array<float, 3>& mean = {0, 0, 0},
                             const std::array<float, 3>& deviation = {1, 1, 1}) {
-  const Image small = resized(photo, width, height);
+  Image codes = photo;
+  for (float& v : codes.values) v = srgb_from_linear(std::clamp(v, 0.0f, 1.0f));
+  const Image small = resized(codes, width, height);
   Tensor t{{1, 3, std::size_t(height), std::size_t(width)}, {}};
   for (int c = 0; c < 3; ++c)
-    for (int i = 0; i < width * height; ++i) {
-      const float code = srgb_from_linear(std::clamp(small.plane(c)[i], 0.0f, 1.0f));
-      t.values.push_back((code - mean[std::size_t(c)]) / deviation[std::size_t(c)]);
-    }
+    for (int i = 0; i < width * height; ++i)
+      t.values.push_back((small.plane(c)[i] - mean[std::size_t(c)]) / deviation[std::size_t(c)]);
   return t;
 }
 
