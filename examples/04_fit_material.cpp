@@ -4,7 +4,7 @@
 // The way of the data: the vehicle is seen through the photo's camera (a G-buffer, once); the panorama's light is
 // gathered for every pixel (once); then render, compare with the photo, go back, step, 300 times; at the end pictures
 // and files.
-#include <CLI/CLI.hpp>
+#include "command.h"
 #include "fit_parts.h"
 #include "fit_report.h"
 
@@ -70,16 +70,9 @@ int main(int argc, char** argv) {
       "parts' means and variances. Glass and rubber: 0.1 times the first plus the second, without the photo's "
       "extremes."};
   street::add_options(app, o);
-  try {
-    app.parse(argc, argv);
+  return command(app, argc, argv, [&] {
     street::complete(o, BURNISH_EXAMPLES_DATA);  // masks and camera of the default photo
     catch_interrupt();
     return run(o);
-  } catch (const CLI::ParseError& e) {
-    if (e.get_exit_code() == 0) return app.exit(e);
-    std::fprintf(stderr, "04_fit_material: %s\n", e.what());
-  } catch (const std::exception& e) {
-    std::fprintf(stderr, "04_fit_material: %s\n", e.what());
-  }
-  return 2;
+  });
 }

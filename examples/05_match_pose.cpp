@@ -4,10 +4,11 @@
 // Every vehicle is looked at from all round; the views that look most like the photo, by the mask, by edges and by dark
 // parts, are refined by the slopes of its silhouette and of its edges (twin/match_pose.h). What it writes is the
 // --camera of 04_fit_material.
-#include <CLI/CLI.hpp>
 #include <burnish/io/mesh.h>
 #include <burnish/io/poses.h>
 #include <burnish/io/report.h>
+#include "command.h"
+#include "pictures.h"
 #include "progress.h"
 
 using namespace burnish;
@@ -21,19 +22,6 @@ struct Options {
   bool mask_only = false;
 };
 
-/// The photo with the model's outline drawn over it: green where both agree, red where only the model is, blue where
-/// only the mask is.
-Image overlay(const Image& photo, const Mask& mask, const Mask& model) {
-  Image out = photo;
-  for (int y = 0; y < photo.height; ++y)
-    for (int x = 0; x < photo.width; ++x) {
-      const float a = mask.at(x, y), b = model.at(x, y);
-      const vec3<float> color(b * (1 - a), a * b, a * (1 - b));
-      const float strength = 0.45f * std::max(a, b);
-      out.set(x, y, photo.at(x, y) * (1 - strength) + color * strength);
-    }
-  return out;
-}
 /// Turns of less than half a turn, in degrees.
 double degrees(float radians) { return double(std::remainder(radians, 2 * pi)) * 57.29577951308232; }
 
@@ -136,14 +124,5 @@ int main(int argc, char** argv) {
       ->check(CLI::Range(64, 4096))
       ->capture_default_str();
   app.add_option("-o,--output", o.output, "folder for the camera and the picture")->capture_default_str();
-  try {
-    app.parse(argc, argv);
-    return run(o);
-  } catch (const CLI::ParseError& e) {
-    if (e.get_exit_code() == 0) return app.exit(e);
-    std::fprintf(stderr, "05_match_pose: %s\n", e.what());
-  } catch (const std::exception& e) {
-    std::fprintf(stderr, "05_match_pose: %s\n", e.what());
-  }
-  return 2;
+  return command(app, argc, argv, [&] { return run(o); });
 }

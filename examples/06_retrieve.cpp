@@ -3,12 +3,12 @@
 //
 // Every file is read once, in a process of its own (io/build_library.h), and described from many sides
 // (twin/describe.h). The photo's mask and edges are described alike, and the nearest views found (twin/retrieve.h).
-#include <CLI/CLI.hpp>
 #include <burnish/io/build_library.h>
 #include <burnish/io/embeddings.h>
 #include <burnish/io/photo.h>
 #include <burnish/twin/retrieve.h>
 #include "cards.h"
+#include "command.h"
 #include "progress.h"
 
 using namespace burnish;
@@ -92,7 +92,7 @@ LibraryBuild build(const Options& o, const std::string& index) {
       [&](int done, int of, double) { bar.show(done, of, std::to_string(done) + "/" + std::to_string(of)); },
       [] { return interrupted != 0; });
   for (const std::string& n : b.notes) std::printf("  %s\n", n.c_str());
-  const Library& l = b.library;
+  const Library& l = b.vehicles;
   char text[200];
   std::snprintf(text, sizeof text, "%d files read now, %.2f s each; %d known before", b.done,
                 b.done > 0 ? b.seconds / b.done : 0.0, int(l.entries.size()) - b.done);
@@ -145,7 +145,7 @@ int run(Options o) {
   catch_interrupt();
   check_writable(o.output);
   LibraryBuild built = build(o, o.index);
-  Library library = std::move(built.library);
+  Library library = std::move(built.vehicles);
   if (interrupted) {
     std::printf("Stopped: %d files are left; the same command goes on.\n", built.left);
     return 130;
@@ -260,14 +260,5 @@ int main(int argc, char** argv) {
       ->check(CLI::Range(64, 1 << 20))
       ->capture_default_str();
   app.add_option("-o,--output", o.output, "folder for the pictures and files")->capture_default_str();
-  try {
-    app.parse(argc, argv);
-    return run(o);
-  } catch (const CLI::ParseError& e) {
-    if (e.get_exit_code() == 0) return app.exit(e);
-    std::fprintf(stderr, "06_retrieve: %s\n", e.what());
-  } catch (const std::exception& e) {
-    std::fprintf(stderr, "06_retrieve: %s\n", e.what());
-  }
-  return 2;
+  return command(app, argc, argv, [&] { return run(o); });
 }

@@ -4,7 +4,6 @@
 // Shapes, names, opacities and, where they are given, masks of any segmenter say what is body, window, wheel or light
 // (twin/assign_parts.h). With a photo and the camera that took it, the photo's own parts follow (twin/photo_parts.h):
 // what 04_fit_material takes as --parts.
-#include <CLI/CLI.hpp>
 #include <burnish/io/camera.h>
 #include <burnish/io/mesh.h>
 #include <burnish/io/parts.h>
@@ -12,6 +11,8 @@
 #include <burnish/twin/part_labels.h>
 #include <burnish/twin/photo_parts.h>
 #include <burnish/twin/split_parts.h>
+#include "command.h"
+#include "pictures.h"
 #include "progress.h"
 
 using namespace burnish;
@@ -25,28 +26,10 @@ struct Options {
   float threshold = 0.5f;
 };
 
-constexpr std::array<vec3<float>, part_kinds> colors{{{0.70f, 0.07f, 0.05f},
-                                                      {0.08f, 0.30f, 0.80f},
-                                                      {0.60f, 0.08f, 0.60f},
-                                                      {0.03f, 0.03f, 0.03f},
-                                                      {0.45f, 0.45f, 0.45f},
-                                                      {0.90f, 0.65f, 0.03f},
-                                                      {0.15f, 0.40f, 0.13f}}};
-
 std::string view_name(std::size_t view) {
   char name[32];
   std::snprintf(name, sizeof name, "view_%02zu.png", view);
   return name;
-}
-/// Views as they come, coloured by what color(surfel of g) says, shaded a little.
-template <class Color> Image drawn(const GBuffer& g, Color color) {
-  Image out(g.width, g.height, {0.9f, 0.9f, 0.9f});
-  for (int i = 0; i < g.size(); ++i) {
-    const Surfel<float> s = g.at(i);
-    const int p = g.pixel[std::size_t(i)];
-    out.set(p % g.width, p / g.width, color(i) * (0.35f + 0.65f * dot(s.normal, s.view)));
-  }
-  return out;
 }
 /// Colours and the names of the kinds, as large as a panel.
 Image legend(int w, int h) {
@@ -54,7 +37,7 @@ Image legend(int w, int h) {
   OIIO::ImageBuf b = detail::buffer_of(out);
   const int row = h / (part_kinds + 1);
   for (int k = 0; k < part_kinds; ++k) {
-    const vec3<float> c = colors[std::size_t(k)];
+    const vec3<float> c = kind_colors[std::size_t(k)];
     const float rgb[3] = {c.x, c.y, c.z};
     const int y = row / 2 + k * row;
     OIIO::ImageBufAlgo::render_box(b, 20, y, 20 + row, y + row * 3 / 4, rgb, true);
@@ -77,7 +60,7 @@ Image picture(const Raycaster& scene, const AssignedParts& parts) {
     const GBuffer g = scene.trace(p.camera(), 1);
     const auto part = [&](int i) { return std::size_t(g.part[std::size_t(i)]); };
     file.push_back({from, drawn(g, [&](int i) { return scene.mesh().color(g.parts[part(i)], g.at(i).uv); })});
-    kinds.push_back({"", drawn(g, [&](int i) { return colors[std::size_t(parts.parts[part(i)].kind)]; })});
+    kinds.push_back({"", drawn(g, [&](int i) { return kind_colors[std::size_t(parts.parts[part(i)].kind)]; })});
   }
   std::vector<Panel> all = file;
   all.push_back({"as the file has it", Image(360, 240, {0.9f, 0.9f, 0.9f})});
@@ -160,18 +143,11 @@ int run(const Options& o) {
       throw Error(o.camera + ": the vehicle is not in the picture; it stands at the origin, x ahead, y up, metres");
     const std::vector<int> labels = photo_parts(photo, mask, g, part_labels(g, scene.mesh(), parts));
     Mask file(photo.width, photo.height);
-    Image shown = photo;
     std::array<int, 5> count{};
-    for (std::size_t i = 0; i < labels.size(); ++i) {
+    for (std::size_t i = 0; i < labels.size(); ++i)
       file.values[i] = float(labels[i]) / 255, ++count[std::size_t(labels[i])];
-      constexpr std::array<PartKind, 5> kind{PartKind::other, PartKind::body, PartKind::window, PartKind::tyre,
-                                             PartKind::other};
-      if (labels[i] == 0) continue;
-      const int x = int(i) % photo.width, y = int(i) / photo.width;
-      shown.set(x, y, photo.at(x, y) * 0.3f + colors[std::size_t(kind[std::size_t(labels[i])])] * 0.7f);
-    }
     write_png(o.output + "/photo_parts.png", file);
-    write_png(o.output + "/photo_parts_shown.png", shown);
+    write_png(o.output + "/photo_parts_shown.png", labelled(photo, labels));
     char note[128];
     std::snprintf(note, sizeof note, "pixels: paint %d, glass %d, rubber %d, other %d", count[1], count[2], count[3],
                   count[4]);
@@ -209,14 +185,5 @@ int main(int argc, char** argv) {
   app.add_option("--mask", o.mask, "the vehicle in the photo: white, same size");
   app.add_option("--camera", o.camera, "JSON, as 05_match_pose writes it");
   app.add_option("-o,--output", o.output, "folder for the text and the pictures")->capture_default_str();
-  try {
-    app.parse(argc, argv);
-    return run(o);
-  } catch (const CLI::ParseError& e) {
-    if (e.get_exit_code() == 0) return app.exit(e);
-    std::fprintf(stderr, "07_assign_parts: %s\n", e.what());
-  } catch (const std::exception& e) {
-    std::fprintf(stderr, "07_assign_parts: %s\n", e.what());
-  }
-  return 2;
+  return command(app, argc, argv, [&] { return run(o); });
 }

@@ -5,6 +5,7 @@
 // need not lie on the photo's pixels. The features are a bank of filters, or a network's of VGG's kind from a file.
 #include <burnish/fit/vgg.h>
 #include <burnish/io/computed.h>
+#include "command.h"
 #include "fit_parts.h"
 #include "fit_report.h"
 #include "pattern.h"
@@ -182,16 +183,9 @@ int main(int argc, char** argv) {
   app.add_option("--known-turn", o.known_turn, "by how many degrees its camera is turned about the vehicle")
       ->capture_default_str();
   app.add_flag("--compare", o.compare, "fit without the pattern, too, and show both");
-  try {
-    app.parse(argc, argv);
+  return command(app, argc, argv, [&] {
     street::complete(o, BURNISH_EXAMPLES_DATA);  // masks and camera of the default photo
     catch_interrupt();
     return run(o);
-  } catch (const CLI::ParseError& e) {
-    if (e.get_exit_code() == 0) return app.exit(e);
-    std::fprintf(stderr, "08_fit_parts: %s\n", e.what());
-  } catch (const std::exception& e) {
-    std::fprintf(stderr, "08_fit_parts: %s\n", e.what());
-  }
-  return 2;
+  });
 }

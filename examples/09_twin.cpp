@@ -4,7 +4,6 @@
 // The way of the data: the vehicle is cut out of the photo; the library's vehicles that look most like it are posed
 // against it, and the best is kept; its parts are told apart, in the model and in the photo; their materials are
 // fitted; model, materials, pictures and a page are written.
-#include <CLI/CLI.hpp>
 #include <burnish/io/camera.h>
 #include <burnish/io/network.h>
 #include <burnish/io/parts.h>
@@ -12,6 +11,7 @@
 #include <burnish/twin/part_labels.h>
 #include <burnish/twin/photo_parts.h>
 #include <burnish/twin/segment_at.h>
+#include "command.h"
 #include "fit_report.h"
 #include "pattern.h"
 #include "twin_find.h"
@@ -127,11 +127,7 @@ int run(Options o) {
   for (float& x : target.image.values) x = detail::to_srgb(std::clamp(x, 0.0f, 1.0f));
   target.vehicle = mask;
   target.label = photo_parts(photo, mask, whole_view, part_labels(whole_view, scene.mesh(), parts));
-  const auto roles_of = [&](const GBuffer& g) {
-    std::vector<parts::Role> roles;
-    for (const int label : part_labels(g, scene.mesh(), parts)) roles.push_back(parts::Role(label - 1));
-    return roles;
-  };
+  const auto roles_of = [&](const GBuffer& g) { return parts::roles_of(g, scene.mesh(), parts); };
   parting.finish(leave.parts(scene, parts, photo, target.label));
   lap("parts");
 
@@ -190,14 +186,5 @@ int main(int argc, char** argv) {
   app.add_option("--threads", o.threads, "0: all cores")->check(CLI::Range(0, 1024))->capture_default_str();
   app.add_option("-o,--output", o.output, "folder for pictures and files")->capture_default_str();
   fitting::add_settings(app, o.fit);
-  try {
-    app.parse(argc, argv);
-    return run(o);
-  } catch (const CLI::ParseError& e) {
-    if (e.get_exit_code() == 0) return app.exit(e);
-    std::fprintf(stderr, "09_twin: %s\n", e.what());
-  } catch (const std::exception& e) {
-    std::fprintf(stderr, "09_twin: %s\n", e.what());
-  }
-  return 2;
+  return command(app, argc, argv, [&] { return run(o); });
 }

@@ -3,11 +3,11 @@
 //
 // The mask is that of 04_fit_material, 05_match_pose and 06_retrieve. A detector (io/network.h) is no need, but the surer
 // way from a point to a box.
-#include <CLI/CLI.hpp>
 #include <burnish/io/network.h>
 #include <burnish/io/photo.h>
 #include <burnish/io/report.h>
 #include <burnish/twin/segment_at.h>
+#include "command.h"
 #include "progress.h"
 
 using namespace burnish;
@@ -133,14 +133,5 @@ int main(int argc, char** argv) {
       ->check(CLI::Range(64, 2048))
       ->capture_default_str();
   app.add_option("-o,--output", o.output, "folder for the mask and the picture")->capture_default_str();
-  try {
-    app.parse(argc, argv);
-    return run(o);
-  } catch (const CLI::ParseError& e) {
-    if (e.get_exit_code() == 0) return app.exit(e);
-    std::fprintf(stderr, "10_segment: %s\n", e.what());
-  } catch (const std::exception& e) {
-    std::fprintf(stderr, "10_segment: %s\n", e.what());
-  }
-  return 2;
+  return command(app, argc, argv, [&] { return run(o); });
 }

@@ -1,12 +1,12 @@
 // examples/11_panorama.cpp -- a panorama of eight bits, or the fisheyes of a car, made light in HDR
 // SPDX-License-Identifier: Apache-2.0
-#include <CLI/CLI.hpp>
 #include <burnish/io/fisheye.h>
 #include <burnish/io/model.h>
 #include <burnish/io/photo.h>
 #include <burnish/io/report.h>
 #include <burnish/street/expose.h>
 #include <burnish/street/stitch.h>
+#include "command.h"
 #include "panorama_picture.h"
 #include "progress.h"
 
@@ -157,14 +157,5 @@ int main(int argc, char** argv) {
       ->check(CLI::Range(64, 8192))
       ->capture_default_str();
   app.add_option("-o,--output", o.output, "folder for the pictures and files")->capture_default_str();
-  try {
-    app.parse(argc, argv);
-    return run(o);
-  } catch (const CLI::ParseError& e) {
-    if (e.get_exit_code() == 0) return app.exit(e);
-    std::fprintf(stderr, "11_panorama: %s\n", e.what());
-  } catch (const std::exception& e) {
-    std::fprintf(stderr, "11_panorama: %s\n", e.what());
-  }
-  return 2;
+  return command(app, argc, argv, [&] { return run(o); });
 }

@@ -3,7 +3,6 @@
 //
 // The vehicle stands on a level ground below the camera and is path-traced under a panorama; shadow and vehicle
 // are laid into the picture (street/path_tracer.h, insert.h).
-#include <CLI/CLI.hpp>
 #include <burnish/io/exr.h>
 #include <burnish/io/labels.h>
 #include <burnish/io/mesh.h>
@@ -11,6 +10,7 @@
 #include <burnish/io/parts.h>
 #include <burnish/street/insert.h>
 #include <burnish/twin/assign_parts.h>
+#include "command.h"
 #include "dressed.h"
 #include "progress.h"
 
@@ -186,15 +186,8 @@ int main(int argc, char** argv) {
   app.add_flag("--preview", o.preview, "8 paths a pixel");
   app.add_option("--threads", o.threads, "0: all cores")->check(CLI::Range(0, 1024))->capture_default_str();
   app.add_option("-o,--output", o.output, "folder for pictures and labels")->capture_default_str();
-  try {
-    app.parse(argc, argv);
+  return command(app, argc, argv, [&] {
     if (app.count("--size")) o.height = o.width * 9 / 16;
     return run(o);
-  } catch (const CLI::ParseError& e) {
-    if (e.get_exit_code() == 0) return app.exit(e);
-    std::fprintf(stderr, "12_insert: %s\n", e.what());
-  } catch (const std::exception& e) {
-    std::fprintf(stderr, "12_insert: %s\n", e.what());
-  }
-  return 2;
+  });
 }

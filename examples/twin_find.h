@@ -9,6 +9,7 @@
 #include <burnish/twin/preview.h>
 #include <burnish/twin/retrieve.h>
 #include "cards.h"
+#include "pictures.h"
 #include "progress.h"
 
 namespace twin {
@@ -33,10 +34,10 @@ inline Library open_library(const std::string& index, const std::vector<std::str
       [] { return interrupted != 0; });
   char note[160];
   std::snprintf(note, sizeof note, "%d vehicles can be found, %d refused, %d failed; %d read now",
-                b.library.count(LibraryStatus::indexed), b.library.count(LibraryStatus::refused),
-                b.library.count(LibraryStatus::failed), b.done);
+                b.vehicles.count(LibraryStatus::indexed), b.vehicles.count(LibraryStatus::refused),
+                b.vehicles.count(LibraryStatus::failed), b.done);
   bar.finish(note);
-  return std::move(b.library);
+  return std::move(b.vehicles);
 }
 /// The vehicles whose views are nearest to the photo's.
 inline std::vector<Candidate> retrieve(const Library& library, const std::string& index, const Image& photo,
@@ -83,17 +84,6 @@ inline std::vector<Candidate> pose_all(std::vector<Candidate> all, const Image& 
   return out;
 }
 
-/// The photo with what the model covers: green where both agree, red the model alone, blue the mask alone.
-inline Image overlay(const Image& photo, const Mask& mask, const Mask& model) {
-  Image out = photo;
-  for (int y = 0; y < photo.height; ++y)
-    for (int x = 0; x < photo.width; ++x) {
-      const float a = mask.at(x, y), b = model.at(x, y);
-      const float strength = 0.45f * std::max(a, b);
-      out.set(x, y, photo.at(x, y) * (1 - strength) + vec3<float>(b * (1 - a), a * b, a * (1 - b)) * strength);
-    }
-  return out;
-}
 /// The window of the picture that the mask is in, with its surroundings, at most `wide` pixels wide.
 inline Image around(const Image& picture, const Mask& mask, float margin, int wide) {
   int x0 = mask.width, y0 = mask.height, x1 = 0, y1 = 0;

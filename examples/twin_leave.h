@@ -10,15 +10,6 @@
 
 namespace twin {
 
-/// Colours of the kinds of parts, linear RGB, in the order of PartKind.
-inline constexpr std::array<vec3<float>, part_kinds> kind_colors{{{0.65f, 0.12f, 0.08f},
-                                                                  {0.12f, 0.4f, 0.75f},
-                                                                  {0.1f, 0.1f, 0.1f},
-                                                                  {0.04f, 0.04f, 0.04f},
-                                                                  {0.45f, 0.45f, 0.45f},
-                                                                  {0.85f, 0.6f, 0.08f},
-                                                                  {0.25f, 0.3f, 0.2f}}};
-
 class Leavings {
 public:
   Leavings(std::string folder, const std::string& photo)
@@ -71,28 +62,17 @@ public:
     std::vector<Panel> panels;
     for (const float azimuth : {0.6f, 2.5f}) {
       const GBuffer g = scene.trace(framed(bounds(scene.mesh()), azimuth, 0.25f, wide, high).camera());
-      Image picture(wide, high, {1, 1, 1});
-      for (int i = 0; i < g.size(); ++i) {
-        const Surfel<float> s = g.at(i);
-        const int p = g.pixel[std::size_t(i)];
-        const PartGuess& guess = parts.parts[std::size_t(g.part[std::size_t(i)])];
-        picture.set(p % wide, p / wide, kind_colors[std::size_t(guess.kind)] * (0.35f + 0.65f * dot(s.normal, s.view)));
-      }
-      panels.push_back(
-          {azimuth < 1 ? "the model: body red, windows blue, tyres black, lights yellow" : "from behind", picture});
+      const auto color = [&](int i) {
+        return kind_colors[std::size_t(parts.parts[std::size_t(g.part[std::size_t(i)])].kind)];
+      };
+      panels.push_back({azimuth < 1 ? "the model: body red, windows blue, tyres black, lights yellow" : "from behind",
+                        drawn(g, color, {1, 1, 1})});
     }
     const Image kinds = sheet(panels, 2);
     write_png(folder_ + "/parts.png", kinds);
-    Image photographed = photo;
     Mask any(photo.width, photo.height);
-    for (std::size_t i = 0; i < labels.size(); ++i) {
-      if (labels[i] == 0) continue;
-      constexpr PartKind kind[5] = {PartKind::other, PartKind::body, PartKind::window, PartKind::tyre, PartKind::other};
-      const int x = int(i) % photo.width, y = int(i) / photo.width;
-      any.at(x, y) = 1;
-      photographed.set(x, y, photo.at(x, y) * 0.35f + kind_colors[std::size_t(kind[labels[i]])] * 0.65f);
-    }
-    const Image seen = around(photographed, any, 0.15f, 960);
+    for (std::size_t i = 0; i < labels.size(); ++i) any.values[i] = labels[i] != 0 ? 1.0f : 0.0f;
+    const Image seen = around(labelled(photo, labels), any, 0.15f, 960);
     write_png(folder_ + "/photo_parts.png", seen);
     std::array<double, part_kinds> share{};
     std::vector<std::vector<std::string>> rows{{"material", "part", "taken as", "confidence", "seen", "because"}};

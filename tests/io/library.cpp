@@ -138,7 +138,7 @@ TEST_CASE("Library of files: each is indexed or refused with the reason, and no 
   zip(folder / "cars/more.zip", {{"red/van.obj", car(2.2)}, {"red/table.obj", car(1.4)}, {"red/car.mtl", colors}});
   const std::string index = folder / "index";
   const LibraryBuild b = build(index, {folder / "cars"});
-  const Library& l = b.library;
+  const Library& l = b.vehicles;
   CHECK(b.done == 10);
   CHECK(b.left == 0);
   CHECK(l.entries.size() == 10);
@@ -229,13 +229,13 @@ TEST_CASE("Library of files: a second run goes on where the first was stopped, a
   const LibraryBuild without = build(index, cars);
   CHECK(without.done == 1);
   CHECK(without.gone == 1);
-  CHECK(at(without.library, "b.obj").status == LibraryStatus::indexed);
-  CHECK(without.library.spaces.at("views").rows() == 2 * 8);
+  CHECK(at(without.vehicles, "b.obj").status == LibraryStatus::indexed);
+  CHECK(without.vehicles.spaces.at("views").rows() == 2 * 8);
   std::filesystem::create_directory(folder / "vans");
   folder.write("vans/car.mtl", colors), folder.write("vans/d.obj", car(2.0));
   const LibraryBuild more = build(index, {folder / "vans"});
   CHECK(more.done == 1);
-  CHECK(more.library.entries.size() == 3);
+  CHECK(more.vehicles.entries.size() == 3);
   CHECK(folder.count() == 4);  // cars, vans and two indices: nothing is left beside them
 }
 
@@ -246,23 +246,23 @@ TEST_CASE("Library of files: rules overrule what was found, last one first, and 
       folder.write("cars/two.obj", car(1.6, 2));
   const std::string index = folder / "index";
   const std::vector<std::string> cars = {folder / "cars"};
-  CHECK(build(index, cars).library.count(LibraryStatus::indexed) == 1);
+  CHECK(build(index, cars).vehicles.count(LibraryStatus::indexed) == 1);
   const LibraryBuild accepted = build(index, cars, {{"one*", true}});
   CHECK(accepted.done == 1);
-  CHECK(accepted.library.count(LibraryStatus::indexed) == 2);
-  CHECK(has(at(accepted.library, "one.obj").reason, "accepted by hand though: one material"));
+  CHECK(accepted.vehicles.count(LibraryStatus::indexed) == 2);
+  CHECK(has(at(accepted.vehicles, "one.obj").reason, "accepted by hand though: one material"));
   const LibraryBuild later = build(index, cars);
   CHECK(later.done == 0);
-  CHECK(later.library.count(LibraryStatus::indexed) == 2);
+  CHECK(later.vehicles.count(LibraryStatus::indexed) == 2);
   const LibraryBuild refused = build(index, cars, {{"*.obj", false}});
   CHECK(refused.done == 0);
-  CHECK(refused.library.count(LibraryStatus::indexed) == 0);
-  CHECK(at(refused.library, "two.obj").reason == "refused by hand: *.obj");
-  CHECK(refused.library.spaces.empty());
+  CHECK(refused.vehicles.count(LibraryStatus::indexed) == 0);
+  CHECK(at(refused.vehicles, "two.obj").reason == "refused by hand: *.obj");
+  CHECK(refused.vehicles.spaces.empty());
   const LibraryBuild back = build(index, cars, {{"two", true}});
   CHECK(back.done == 1);
-  CHECK(back.library.count(LibraryStatus::indexed) == 1);
-  CHECK(back.library.rules.size() == 3);
+  CHECK(back.vehicles.count(LibraryStatus::indexed) == 1);
+  CHECK(back.vehicles.rules.size() == 3);
 }
 
 TEST_CASE("Library of files: vectors from elsewhere are a space that outlives the next build", "[io][agreement]") {
@@ -272,13 +272,13 @@ TEST_CASE("Library of files: vectors from elsewhere are a space that outlives th
   folder.write("cars/a.obj", car(1.4)), folder.write("cars/van/scene.obj", car(2.1)),
       folder.write("cars/one.obj", car(1.4, 1));
   const std::string index = folder / "index";
-  Library l = build(index, {folder / "cars"}).library;
+  Library l = build(index, {folder / "cars"}).vehicles;
   Embeddings e{{"van/scene.obj", "a", "one", "who"}, {{4, 3}, {0, 3, 4, 1, 0, 0, 0, 0, 2, 5, 5, 5}}};
   CHECK(add_space(l, "clip", e, "e") == 2);  // one.obj is refused, who is not there
   write_library(index, l);
   // The first entry changes and goes; the other's vector stays.
   folder.write("cars/a.obj", car(1.45));
-  const Library after = build(index, {folder / "cars"}).library;
+  const Library after = build(index, {folder / "cars"}).vehicles;
   REQUIRE(after.spaces.count("clip") == 1);
   const LibrarySpace& s = after.spaces.at("clip");
   CHECK(s.columns == 3);

@@ -19,7 +19,7 @@ struct LibraryOptions {
   double save_every = 10;       // seconds, at least; and never for more than a twentieth of the time
 };
 struct LibraryBuild {
-  Library library;
+  Library vehicles;
   std::vector<std::string> notes;  // of the search for files
   int found = 0, done = 0, left = 0, gone = 0;
   double seconds = 0;              // of the work on files
@@ -208,8 +208,8 @@ LibraryBuild build_library(const std::string& index, const std::vector<std::stri
   double saving = 0;
   const auto save = [&] {
     const Clock::time_point t = Clock::now();
-    out.library = all();
-    write_library(index, out.library);
+    out.vehicles = all();
+    write_library(index, out.vehicles);
     saving = since(t), saved = Clock::now();
   };
   const int workers = options.workers > 0 ? options.workers : int(std::max(1u, std::thread::hardware_concurrency()));
@@ -241,7 +241,7 @@ LibraryBuild build_library(const std::string& index, const std::vector<std::stri
   out.left = int(jobs.size()) - out.done;
   out.seconds = since(start);
   if (news || out.done > 0) save();
-  else out.library = all();
+  else out.vehicles = all();
   return out;
 }
 

@@ -30,7 +30,7 @@ inline bool is_archive(const std::filesystem::path& p) {
   static const std::set<std::string> endings = {".zip", ".sh3f", ".sh3d", ".kmz"};
   return endings.count(lower(p.extension().string())) > 0;
 }
-/// Whether one of the words in a path names a kind of vehicle: "myCars/oldJeep_2.obj" has my, cars, old, jeep, obj.
+/// Whether one of the words in a path names a kind of vehicle.
 inline bool names_a_vehicle(const std::string& path) {
   static const std::set<std::string> kinds = {
       "vehicle", "vehicles", "car",    "cars",      "auto",      "autos",    "automobile", "automobiles", "suv",
@@ -38,19 +38,9 @@ inline bool names_a_vehicle(const std::string& path) {
       "lorry",   "van",      "vans",   "minivan",   "bus",       "buses",    "jeep",       "taxi",        "cab",
       "ambulance", "police", "firetruck", "limo",   "limousine", "roadster", "convertible", "cabrio",     "cabriolet",
       "tractor", "offroad",  "minibus", "motorhome", "camper"};
-  std::string word;
-  char before = ' ';
-  for (const char c : path + " ") {
-    const auto u = static_cast<unsigned char>(c);
-    const bool letter = std::isalpha(u) != 0;
-    if (!letter || (std::isupper(u) && std::islower(static_cast<unsigned char>(before)))) {
-      if (kinds.count(word)) return true;
-      word.clear();
-    }
-    if (letter) word += char(std::tolower(u));
-    before = c;
-  }
-  return false;
+  bool any = false;
+  each_word(path, [&](const std::string& word) { any |= kinds.count(word) > 0; });
+  return any;
 }
 /// The stem, or the folder's name where the stem says nothing.
 inline std::string shown_name(const std::filesystem::path& p) {

@@ -5,9 +5,9 @@
 // along x and the front towards +x (so the vehicle's right side is +z). Only turned, moved and scaled evenly, never
 // mirrored.
 #pragma once
-#include <cctype>
 #include <initializer_list>
 #include <burnish/scene/clean.h>
+#include <burnish/scene/words.h>
 
 namespace burnish {
 
@@ -19,23 +19,6 @@ struct VehicleOptions {
 };
 
 namespace detail {
-inline std::string lower(std::string s) {
-  for (char& c : s) c = char(std::tolower(static_cast<unsigned char>(c)));
-  return s;
-}
-/// "wheelFrontLeft", "Wheel F-L" -> "_wheel_front_left_", "_wheel_f_l_": name and material of a part, for finding
-/// words.
-inline std::string words_of(const Part& p) {
-  std::string s = "_";
-  char before = '_';
-  for (char c : p.name + " " + p.material + " ") {
-    const auto u = static_cast<unsigned char>(c);
-    if (std::isupper(u) && std::islower(static_cast<unsigned char>(before))) s += '_';
-    s += std::isalnum(u) ? char(std::tolower(u)) : '_';
-    before = c;
-  }
-  return s;
-}
 struct Middle {
   float area = 0;
   vec3<float> place;

@@ -5,15 +5,14 @@
 // They leave open how; here it is asked of what is seen from all round. All in the normalised frame (scene/vehicle.h).
 #pragma once
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <cstdio>
 #include <map>
 #include <set>
 #include <string>
-#include <utility>
 #include <vector>
 #include <burnish/scene/raycast.h>
+#include <burnish/scene/words.h>
 #include <burnish/twin/pose.h>
 
 namespace burnish {
@@ -41,12 +40,8 @@ inline std::string odd_name(const std::string& name) {
       "accessories", "interior", "seat", "seats",    "engine",    "kit",     "pointer",    "pivot",      "bumper",
       "door",        "doors",    "top",  "plate",    "bike",      "bicycle", "motorbike",  "motorcycle", "scooter",
       "moped",       "stroller", "pram", "tricycle", "skateboard"};
-  std::string word, last;
-  for (const char c : name + " ") {
-    const auto u = static_cast<unsigned char>(c);
-    if (std::isalpha(u)) word += char(std::tolower(u));
-    else if (!word.empty()) last = std::exchange(word, "");
-  }
+  std::string last;
+  detail::each_word(name, [&](const std::string& word) { last = word; });
   return odd.count(last) ? "by its name no whole vehicle: " + last : "";
 }
 
