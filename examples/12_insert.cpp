@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // The vehicle stands on a level ground below the camera and is path-traced under a panorama; shadow and vehicle
-// are laid into the picture (street/path_tracer.h, insert.h).
+// are laid into the picture (street/insert_layers.h, insert.h).
 #include <burnish/io/exr.h>
 #include <burnish/io/labels.h>
 #include <burnish/io/mesh.h>
@@ -109,7 +109,7 @@ int run(Options o) {
   options.samples = o.preview ? 8 : o.samples;
   const PathTracer tracer(scene, sky, material, Ground{0, o.wet}, options);
   Progress tracing("trace");
-  InsertLayers layers = tracer.render(camera, depth, true, [&](int done, int of) { tracing.show(done, of); });
+  InsertLayers layers = render_layers(tracer, camera, depth, true, [&](int done, int of) { tracing.show(done, of); });
   tracing.finish(std::to_string(options.samples) + " paths a pixel");
   match_look(layers, look);
   const Image out = composite(plate, layers, look.exposure);

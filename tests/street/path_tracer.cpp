@@ -1,6 +1,6 @@
 // tests/street/path_tracer.cpp -- closed forms of what a path tracer must give: furnace, a ball's shadow, panes, depth
 // SPDX-License-Identifier: Apache-2.0
-#include <burnish/street/path_tracer.h>
+#include <burnish/street/insert_layers.h>
 #include <burnish_test.h>
 #include <record.h>
 
@@ -43,7 +43,7 @@ TEST_CASE("PathTracer: a convex Lambertian body under an even sky shows its albe
   const PanoramaSampler sky(Image(16, 8, vec3<float>(1.0f)));
   const PathTracer tracer(scene, sky, [](const auto&, int) { return lambert(0.6f); }, Ground{}, {.samples = 64});
   const Camera camera = Camera::look_at({0, 50, 4}, {0, 50, 0}, {0, 1, 0}, 8, 16, 16);  // the ball fills it
-  const InsertLayers out = tracer.render(camera, Mask(), true, silent);
+  const InsertLayers out = render_layers(tracer, camera, Mask(), true, silent);
   CHECK(mean(out.object) == Approx(0.6).epsilon(0.01));
   CHECK(mean(out.through) == 0);
 }
@@ -57,7 +57,7 @@ TEST_CASE("PathTracer: the shadow of a black ball on the ground is its form fact
   for (const float x : {0.5f, 1.5f, 3.0f}) {
     const Camera camera = Camera::look_at({x + 0.3f, 0.6f, 3}, {x, 0, 0}, {0, 1, 0}, 0.2f, 4, 4);
     const double d2 = double(x * x + height * height), want = 1 - r * r / d2 * (height / std::sqrt(d2));
-    worst(std::abs(mean(tracer.render(camera, Mask(), true, silent).kept) - want));
+    worst(std::abs(mean(render_layers(tracer, camera, Mask(), true, silent).kept) - want));
   }
   record::claim("PathTracer: a black ball's shadow on the ground", "law", "the sphere's form factor", 6e-3, worst.value,
                 3 * 16);
@@ -75,19 +75,19 @@ TEST_CASE("PathTracer: a pane keeps what its transmittance says, a photo's depth
     return s;
   };
   const PathTracer through(scene, sky, pane, Ground{}, {.samples = 4});
-  const InsertLayers glass = through.render(camera, Mask(), true, silent);
+  const InsertLayers glass = render_layers(through, camera, Mask(), true, silent);
   CHECK(glass.through.at(12, 12).x == Approx(0.25));  // in and out
   CHECK(glass.through.at(0, 0).x == 1);
   const auto paint = [](const Surfel<float>&, int) { return lambert(0.5f); };
   const PathTracer tracer(scene, sky, paint, Ground{}, {.samples = 8});
-  const InsertLayers behind = tracer.render(camera, Mask(24, 24, 3.0f), true, silent);
+  const InsertLayers behind = render_layers(tracer, camera, Mask(24, 24, 3.0f), true, silent);
   CHECK(mean(behind.object) == 0);
   CHECK(mean(behind.kept) == Approx(1));
   const int before = threads();
   set_threads(1);
-  const InsertLayers one = tracer.render(camera, Mask(), true, silent);
+  const InsertLayers one = render_layers(tracer, camera, Mask(), true, silent);
   set_threads(3);
-  const InsertLayers three = tracer.render(camera, Mask(), true, silent);
+  const InsertLayers three = render_layers(tracer, camera, Mask(), true, silent);
   set_threads(before);
   CHECK(one.object.values == three.object.values);
   CHECK(one.kept.values == three.kept.values);

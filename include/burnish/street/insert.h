@@ -10,7 +10,7 @@
 #include <random>
 #include <vector>
 #include <burnish/math/color.h>
-#include <burnish/street/path_tracer.h>
+#include <burnish/street/insert_layers.h>
 
 namespace burnish {
 
@@ -114,7 +114,8 @@ inline PlateLook plate_look(const Image& plate, const Mask& on, const Camera& ca
   if (steep.size() >= 50) {
     std::nth_element(steep.begin(), steep.begin() + std::ptrdiff_t(steep.size() / 10), steep.end());
     const float s = steep[steep.size() / 10];
-    look.blur = std::sqrt(std::max(s * s - 0.45f * 0.45f, 0.0f));  // a step drawn on pixels is as steep as 0.45
+    // A sharp step, half of it in the difference over two pixels, looks like one blurred by 2 / sqrt(2 pi).
+    look.blur = std::sqrt(std::max(s * s - 0.636620f, 0.0f));
   }
   return look;
 }

@@ -7,7 +7,6 @@
 #pragma once
 #include <cstdint>
 #include <limits>
-#include <mutex>
 #include <burnish/light/panorama_sampler.h>
 #include <burnish/scene/raycast.h>
 #include <burnish/shade/sample.h>
@@ -26,14 +25,16 @@ struct PathOptions {
   bool by_brightness = true;  ///< false: light is drawn evenly from the sphere (to compare with)
   std::uint32_t seed = 1;
 };
-/// Pictures of linear RGB, height x width. The plate is what a camera saw without the vehicle:
-/// composite = object + plate * (kept of the plate), see insert.h.
-struct InsertLayers {
-  Image object;    ///< radiance of the vehicle, by its coverage
-  Image through;   ///< what it lets through of what is behind it; 1 where it is not
-  Image shadow;    ///< irradiance of the ground with the vehicle, by that without; 1 where no ground is seen
-  Image kept;      ///< mean of through x shadow
-  Image added;     ///< radiance that a wet ground mirrors more, or less, for the vehicle's being there
+/// One path through a pixel, as InsertLayers' pictures (insert_layers.h) are means of; and sums of such.
+struct PlateSample {
+  vec3<float> object, through{1, 1, 1}, shadow{1, 1, 1}, kept{1, 1, 1}, added;
+
+  /// Whether anything of the vehicle is in it.
+  bool busy() const { return kept.x != 1 || kept.y != 1 || kept.z != 1 || object.x + added.x != 0; }
+  PlateSample& operator+=(const PlateSample& o) {
+    object += o.object, through += o.through, shadow += o.shadow, kept += o.kept, added += o.added;
+    return *this;
+  }
 };
 
 namespace detail {
@@ -73,70 +74,47 @@ public:
     limit_ = options.brightest * std::max({mean.x, mean.y, mean.z, 1e-6f});
   }
 
-  /// scene_depth: metres along the camera's axis to what the photo shows, of the camera's size, or of no size; what
-  /// lies behind it is hidden. grounded: whether the shadow is seen (it always falls on the ground). A few samples are
-  /// taken everywhere; where these and all that lie up to 6 pixels away find nothing of the vehicle, they are all.
-  template <class Progress>
-  InsertLayers render(const Camera& camera, const Mask& scene_depth, bool grounded, Progress progress) const {
-    const int w = camera.width, h = camera.height, first = std::min(options_.samples, 4);
-    std::vector<Pixel> sums(std::size_t(w) * std::size_t(h));
-    std::vector<std::uint8_t> busy(sums.size());
-    std::mutex telling;
-    int done = 0;
-    const Box near = reach();
-    const auto pass = [&](int from, int to, auto wanted) {
-      parallel_for(h, [&](int y) {
-        for (int x = 0; x < w; ++x) {
-          const std::size_t i = std::size_t(y) * std::size_t(w) + std::size_t(x);
-          if (!wanted(x, y, i)) continue;
-          const float hidden = scene_depth.width == w && scene_depth.height == h
-                                   ? scene_depth.at(x, y)
-                                   : std::numeric_limits<float>::infinity();
-          for (int s = from; s < to; ++s) {
-            detail::Random random(std::uint32_t(i), std::uint32_t(s), options_.seed);
-            // The places in the pixel are spread evenly (Roberts 2018), turned by the pixel's own numbers.
-            const float u = random() + 0.7548776662f * float(s), v = random() + 0.5698402910f * float(s);
-            const Pixel p = pixel(camera, {float(x) + u - std::floor(u), float(y) + v - std::floor(v)}, hidden,
-                                  grounded, random);
-            busy[i] |= p.kept.x != 1 || p.kept.y != 1 || p.kept.z != 1 || p.object.x + p.added.x != 0;
-            sums[i] += p;
-          }
-        }
-        const std::lock_guard lock(telling);
-        progress(++done, 2 * h);
-      });
-    };
-    pass(0, first, [&](int x, int y, std::size_t) { return worth_it(camera, x, y, near); });
-    busy = grown(std::move(busy), w, h, 6);
-    pass(first, options_.samples, [&](int, int, std::size_t i) { return busy[i] && sums[i].samples > 0; });
+  const Raycaster& scene() const { return scene_; }
+  const Ground& ground() const { return ground_; }
+  const PathOptions& options() const { return options_; }
 
-    InsertLayers out{Image(w, h), Image(w, h), Image(w, h), Image(w, h), Image(w, h)};
-    for (int y = 0; y < h; ++y)
-      for (int x = 0; x < w; ++x) {
-        const Pixel& sum = sums[std::size_t(y) * std::size_t(w) + std::size_t(x)];
-        const float k = sum.samples > 0 ? 1 / float(sum.samples) : 0;
-        const vec3<float> nothing(sum.samples > 0 ? 0.0f : 1.0f);
-        out.object.set(x, y, sum.object * k);
-        out.through.set(x, y, sum.through * k + nothing);
-        out.shadow.set(x, y, max(sum.shadow * k, 0.0f) + nothing);
-        out.kept.set(x, y, max(sum.kept * k, 0.0f) + nothing);
-        out.added.set(x, y, sum.added * k);
-      }
-    return out;
+  /// place: in the camera's picture. hidden: metres along the camera's axis from which on something else is seen.
+  /// grounded: whether the ground's shadow is seen.
+  PlateSample sample(const Camera& camera, const vec2<float>& place, float hidden, bool grounded,
+                     detail::Random& random) const {
+    PlateSample p;
+    Ray ray = camera.ray(place.x, place.y);
+    const float along = dot(ray.direction, camera.forward);
+    vec3<float> left(1.0f);
+    for (int wall = 0; wall < 12; ++wall) {
+      const SeenSurface hit = scene_.first_hit(ray);
+      if (hit.part < 0) break;
+      if (dot(hit.surfel.position - camera.position, camera.forward) >= hidden) break;
+      const Surface<float> s = material_(hit.surfel, hit.part);
+      p.object += left * reflected_by(hit, s, random, options_.bounces);
+      left = left * let_through(hit, s);
+      if (left.x + left.y + left.z <= 0) break;
+      ray.origin = lifted(hit, ray.direction);
+    }
+    p.through = p.kept = left;
+    if (!grounded || left.x + left.y + left.z <= 0) return p;
+    const float t = to_ground(ray);
+    const vec3<float> foot = ray.origin + ray.direction * t;
+    if (!std::isfinite(t) || dot(foot - camera.position, camera.forward) >= hidden + 0.05f * along) return p;
+    p.shadow = shadow_at(foot, random, options_.bounces - 1);
+    p.kept = left * p.shadow;
+    if (ground_.wet > 0) {
+      const vec3<float> up(0, 1, 0), mirrored(ray.direction.x, -ray.direction.y, ray.direction.z);
+      const Ray away{foot + up * ((1 + length(foot)) * 1e-4f), mirrored};
+      const SeenSurface hit = scene_.first_hit(away);
+      const float f = ground_.wet * fresnel_dielectric(-ray.direction.y, 1.33f);
+      if (hit.part >= 0)
+        p.added += left * (clipped(seen(hit, away, random, options_.bounces - 1, 0)) - sky_.radiance(mirrored)) * f;
+    }
+    return p;
   }
 
-  /// What arrives from a direction, paths and all.
-  vec3<float> radiance(Ray ray, detail::Random& random) const { return follow(ray, random, options_.bounces); }
-
 private:
-  struct Pixel {
-    vec3<float> object, through, shadow, kept, added;
-    int samples = 0;
-    Pixel& operator+=(const Pixel& o) {
-      object += o.object, through += o.through, shadow += o.shadow, kept += o.kept, added += o.added, ++samples;
-      return *this;
-    }
-  };
   const Raycaster& scene_;
   const PanoramaSampler& sky_;
   Material material_;
@@ -145,49 +123,6 @@ private:
   vec3<float> open_;  // irradiance of the ground without the vehicle
   float limit_;
 
-  /// A pixel is set where one at most r columns and rows away was.
-  static std::vector<std::uint8_t> grown(std::vector<std::uint8_t> set, int w, int h, int r) {
-    for (const bool rows : {false, true}) {
-      const int lines = rows ? w : h, length = rows ? h : w, step = rows ? w : 1, next = rows ? 1 : w;
-      for (int line = 0; line < lines; ++line) {
-        std::uint8_t* const at = set.data() + std::ptrdiff_t(line) * next;
-        int last = -2 * length;  // the place of the last that was set
-        std::vector<std::uint8_t> out(std::size_t(length), 0);
-        for (int i = 0; i < length + r; ++i) {
-          if (i < length && at[std::ptrdiff_t(i) * step]) last = i;
-          const int middle = i - r;
-          if (middle >= 0 && middle < length) out[std::size_t(middle)] = last >= middle - r;
-        }
-        for (int i = 0; i < length; ++i) at[std::ptrdiff_t(i) * step] = out[std::size_t(i)];
-      }
-    }
-    return set;
-  }
-  static vec3<float> max(const vec3<float>& a, float b) {
-    return {std::max(a.x, b), std::max(a.y, b), std::max(a.z, b)};
-  }
-  /// The vehicle with the ground about it that its shadow may matter on.
-  Box reach() const {
-    Box box = bounds(scene_.mesh());
-    const vec3<float> size = box.size();
-    const float far = 3 * std::max({size.x, size.y, size.z});
-    box.low = {box.low.x - far, std::min(box.low.y, ground_.height), box.low.z - far};
-    box.high = {box.high.x + far, box.high.y, box.high.z + far};
-    return box;
-  }
-  bool worth_it(const Camera& c, int x, int y, const Box& near) const {
-    const vec3<float> d = c.toward(float(x) + 0.5f, float(y) + 0.5f), o = c.position;
-    float t0 = 0, t1 = std::numeric_limits<float>::infinity();
-    const auto slab = [&](float from, float to, float at, float along) {
-      if (std::abs(along) < 1e-9f) return at >= from && at <= to;
-      const float a = (from - at) / along, b = (to - at) / along;
-      t0 = std::max(t0, std::min(a, b)), t1 = std::min(t1, std::max(a, b));
-      return true;
-    };
-    const float slack = 0.05f + 0.01f * length(o);
-    return slab(near.low.x, near.high.x, o.x, d.x) && slab(near.low.y - slack, near.high.y + slack, o.y, d.y) &&
-           slab(near.low.z, near.high.z, o.z, d.z) && t0 <= t1;
-  }
   float to_ground(const Ray& r) const {
     const float t = (ground_.height - r.origin.y) / r.direction.y;
     return r.direction.y < 0 && t > 1e-4f ? t : std::numeric_limits<float>::infinity();
@@ -242,7 +177,7 @@ private:
     const vec3<float> up(0, 1, 0), from = place + up * ((1 + length(place)) * 1e-4f);
     vec3<float> ratio(1.0f);
     const auto relative = [&](const vec3<float>& e) {
-      return e / max(open_, 1e-9f);
+      return e / max(open_, vec3<float>(1e-9f));
     };
     // By the light.
     const auto s = light(random);
@@ -323,46 +258,6 @@ private:
       return left * arriving(ray.origin, ray.direction, sky_.radiance(ray.direction), random) * weight;
     }
     return {};
-  }
-  vec3<float> follow(const Ray& ray, detail::Random& random, int bounces) const {
-    const SeenSurface hit = scene_.first_hit(ray);
-    if (hit.part < 0) return arriving(ray.origin, ray.direction, sky_.radiance(ray.direction), random);
-    return seen(hit, ray, random, bounces, 0);
-  }
-
-  Pixel pixel(const Camera& camera, const vec2<float>& place, float hidden, bool grounded,
-              detail::Random& random) const {
-    const vec3<float> one(1.0f);
-    Pixel p{{}, one, one, one, {}, 0};
-    Ray ray = camera.ray(place.x, place.y);
-    const float along = dot(ray.direction, camera.forward);
-    vec3<float> left(1.0f);
-    for (int wall = 0; wall < 12; ++wall) {
-      const SeenSurface hit = scene_.first_hit(ray);
-      if (hit.part < 0) break;
-      if (dot(hit.surfel.position - camera.position, camera.forward) >= hidden) break;
-      const Surface<float> s = material_(hit.surfel, hit.part);
-      p.object += left * reflected_by(hit, s, random, options_.bounces);
-      left = left * let_through(hit, s);
-      if (left.x + left.y + left.z <= 0) break;
-      ray.origin = lifted(hit, ray.direction);
-    }
-    p.through = p.kept = left;
-    if (!grounded || left.x + left.y + left.z <= 0) return p;
-    const float t = to_ground(ray);
-    const vec3<float> foot = ray.origin + ray.direction * t;
-    if (!std::isfinite(t) || dot(foot - camera.position, camera.forward) >= hidden + 0.05f * along) return p;
-    p.shadow = shadow_at(foot, random, options_.bounces - 1);
-    p.kept = left * p.shadow;
-    if (ground_.wet > 0) {
-      const vec3<float> up(0, 1, 0), mirrored(ray.direction.x, -ray.direction.y, ray.direction.z);
-      const Ray away{foot + up * ((1 + length(foot)) * 1e-4f), mirrored};
-      const SeenSurface hit = scene_.first_hit(away);
-      const float f = ground_.wet * fresnel_dielectric(-ray.direction.y, 1.33f);
-      if (hit.part >= 0)
-        p.added += left * (clipped(seen(hit, away, random, options_.bounces - 1, 0)) - sky_.radiance(mirrored)) * f;
-    }
-    return p;
   }
 };
 
