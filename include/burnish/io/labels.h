@@ -69,14 +69,14 @@ inline nlohmann::ordered_json coco_rle(const Mask& mask) {
 }
 /// A COCO file of one picture with one vehicle (Lin et al. 2014).
 inline nlohmann::ordered_json coco_file(const std::string& picture, const Mask& visible, const SeenVehicle& seen) {
-  nlohmann::ordered_json j;
-  j["images"] = {{{"id", 1}, {"file_name", picture}, {"width", visible.width}, {"height", visible.height}}};
-  j["categories"] = {{{"id", 3}, {"name", "car"}, {"supercategory", "vehicle"}}};
-  nlohmann::ordered_json a;
+  // A list of one by push_back: compilers differ over whether one in braces is a list.
+  nlohmann::ordered_json j, a;
+  j["images"].push_back({{"id", 1}, {"file_name", picture}, {"width", visible.width}, {"height", visible.height}});
+  j["categories"].push_back({{"id", 3}, {"name", "car"}, {"supercategory", "vehicle"}});
   a["id"] = 1, a["image_id"] = 1, a["category_id"] = 3, a["iscrowd"] = 0, a["area"] = seen.area;
   a["bbox"] = {seen.x0, seen.y0, seen.x1 - seen.x0, seen.y1 - seen.y0};
   a["segmentation"] = coco_rle(visible);
-  j["annotations"] = {a};
+  j["annotations"].push_back(a);
   return j;
 }
 
