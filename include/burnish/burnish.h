@@ -9,6 +9,7 @@
 #include <burnish/ad/differentiate.h>
 #include <burnish/ad/dual.h>
 #include <burnish/ad/environment.h>
+#include <burnish/ad/fuse.h>
 #include <burnish/ad/model.h>
 #include <burnish/ad/number.h>
 #include <burnish/ad/operation.h>
@@ -19,6 +20,8 @@
 #include <burnish/ad/recording.h>
 #include <burnish/ad/repeat.h>
 #include <burnish/ad/replay.h>
+#include <burnish/ad/replay_order.h>
+#include <burnish/ad/replay_steps.h>
 #include <burnish/ad/strip.h>
 #include <burnish/ad/tape.h>
 #include <burnish/ad/wide.h>
