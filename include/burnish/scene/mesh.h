@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 #include <burnish/math/vec.h>
+#include <burnish/scene/error.h>
 #include <burnish/scene/image.h>
 
 namespace burnish {
@@ -94,5 +95,26 @@ constexpr bool finite(float x) { return (std::bit_cast<std::uint32_t>(x) & 0x7f8
 constexpr bool finite(const vec2<float>& p) { return finite(p.x) && finite(p.y); }
 constexpr bool finite(const vec3<float>& p) { return finite(p.x) && finite(p.y) && finite(p.z); }
 }  // namespace detail
+
+/// Error where a mesh has no triangle, an index is out of range or a position is not a number.
+inline void require_usable(const Mesh& m) {
+  const int vertices = int(m.positions.size()), triangles = int(m.triangles.size());
+  if (triangles == 0) throw Error("mesh without triangles, expected at least one");
+  if (m.part.size() != m.triangles.size() || m.parts.empty())
+    throw Error("mesh without a part for every triangle");
+  if (m.normals.size() != m.positions.size() || m.uvs.size() != m.positions.size()) {
+    throw Error("mesh of " + std::to_string(vertices) + " positions, " + std::to_string(m.normals.size()) +
+                " normals, " + std::to_string(m.uvs.size()) + " uvs: expected as many of each");
+  }
+  for (int t = 0; t < triangles; ++t) {
+    for (int v : m.triangles[t]) {
+      if (v < 0 || v >= vertices || !detail::finite(m.positions[v])) {
+        throw Error("triangle " + std::to_string(t) + " of the mesh has no usable vertex " + std::to_string(v));
+      }
+    }
+    if (m.part[t] < 0 || m.part[t] >= int(m.parts.size()))
+      throw Error("triangle " + std::to_string(t) + " of an unknown part");
+  }
+}
 
 }  // namespace burnish

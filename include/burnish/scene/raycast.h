@@ -11,16 +11,9 @@
 #include <burnish/ad/parallel.h>
 #include <burnish/scene/embree.h>
 #include <burnish/scene/error.h>
-#include <burnish/scene/gbuffer.h>
+#include <burnish/scene/surface_at.h>
 
 namespace burnish {
-
-/// What one ray meets.
-struct SeenSurface {
-  Surfel<float> surfel;  ///< its index is 0
-  vec3<float> face;      ///< geometric normal, unit, on the ray's side
-  int part = -1;         ///< index into Mesh::parts; -1: nothing is met
-};
 
 class Raycaster {
 public:
@@ -29,23 +22,8 @@ public:
   /// Keeps the mesh and builds its tree. Error when it has no triangle, an index is out of range, a position is not a
   /// number or Embree fails; use clean.h first.
   explicit Raycaster(Mesh m) : mesh_(std::move(m)), device_(rtcNewDevice(nullptr)) {
+    require_usable(mesh_);
     const int vertices = int(mesh_.positions.size()), triangles = int(mesh_.triangles.size());
-    if (triangles == 0) throw Error("mesh without triangles, expected at least one");
-    if (mesh_.part.size() != mesh_.triangles.size() || mesh_.parts.empty())
-      throw Error("mesh without a part for every triangle");
-    if (mesh_.normals.size() != mesh_.positions.size() || mesh_.uvs.size() != mesh_.positions.size()) {
-      throw Error("mesh of " + std::to_string(vertices) + " positions, " + std::to_string(mesh_.normals.size()) +
-                  " normals, " + std::to_string(mesh_.uvs.size()) + " uvs: expected as many of each");
-    }
-    for (int t = 0; t < triangles; ++t) {
-      for (int v : mesh_.triangles[t]) {
-        if (v < 0 || v >= vertices || !detail::finite(mesh_.positions[v])) {
-          throw Error("triangle " + std::to_string(t) + " of the mesh has no usable vertex " + std::to_string(v));
-        }
-      }
-      if (mesh_.part[t] < 0 || mesh_.part[t] >= int(mesh_.parts.size()))
-        throw Error("triangle " + std::to_string(t) + " of an unknown part");
-    }
     check();
     scene_.reset(rtcNewScene(device_.get()));
     rtcSetSceneFlags(scene_.get(), RTC_SCENE_FLAG_ROBUST);
@@ -189,7 +167,7 @@ public:
     r.hit.geomID = none;
     detail::Query::intersect(scene_.get(), r);
     if (r.hit.geomID == none) return {};
-    return surface({r.hit.primID, r.hit.u, r.hit.v, 1}, ray.origin);
+    return surface_at(mesh_, int(r.hit.primID), r.hit.u, r.hit.v, ray.origin);
   }
   /// Whether the ray meets the mesh before `reach` metres.
   bool blocked(const Ray& ray, float reach = std::numeric_limits<float>::infinity()) const {
@@ -308,37 +286,8 @@ private:
     if (hit.triangle != none) hit.coverage = float(std::max(covered, 1)) / float(n);
   }
 
-  /// The surface at a hit, (1 - u - v) a + u b + v c, seen from `eye`.
-  SeenSurface surface(const Hit& hit, const vec3<float>& eye) const {
-    const auto& [a, b, c] = mesh_.triangles[hit.triangle];
-    const float u = hit.u, v = hit.v, w = 1 - u - v;
-    const vec3<float>&p0 = mesh_.positions[a], &p1 = mesh_.positions[b], &p2 = mesh_.positions[c];
-    const vec3<float> p = p0 * w + p1 * u + p2 * v, e1 = p1 - p0, e2 = p2 - p0;
-    const vec3<float> view = normalize(eye - p);
-    vec3<float> face = normalize(cross(e1, e2));
-    vec3<float> n = mesh_.normals[a] * w + mesh_.normals[b] * u + mesh_.normals[c] * v;
-    if (!(dot(n, n) > 1e-12f)) n = face;
-    n = normalize(n);
-    if (dot(face, view) < 0) face = -face;
-    if (dot(n, face) < 0) n = -n;
-    // An interpolated normal may look away at a silhouette; it is turned back until it faces the viewer at nv = 0.01.
-    if (const float nv = dot(n, view); nv < 0.01f) n = normalize(n + view * (0.01f - nv));
-    const vec2<float>&t0 = mesh_.uvs[a], &t1 = mesh_.uvs[b], &t2 = mesh_.uvs[c];
-    const float du1 = t1.x - t0.x, dv1 = t1.y - t0.y, du2 = t2.x - t0.x, dv2 = t2.y - t0.y;
-    const float det = du1 * dv2 - du2 * dv1;
-    vec3<float> t = (e1 * dv2 - e2 * dv1) * (det < 0 ? -1.0f : 1.0f);
-    t = t - n * dot(n, t);
-    if (!detail::finite(t) || !(std::abs(det) > 1e-20f) || !(dot(t, t) > 1e-30f)) {
-      t = std::abs(n.y) < 0.99f ? cross(vec3<float>(0, 1, 0), n) : cross(vec3<float>(0, 0, 1), n);  // no uvs: level
-    }
-    t = normalize(t);
-    const float s = t0.x * w + t1.x * u + t2.x * v, q = t0.y * w + t1.y * u + t2.y * v;
-    return {{p, n, t, view, vec2<float>(detail::finite(s) ? s : 0, detail::finite(q) ? q : 0), 0},
-            face,
-            mesh_.part[hit.triangle]};
-  }
   void write(GBuffer& g, int i, const Hit& hit) const {
-    const SeenSurface seen = surface(hit, g.camera.position);
+    const SeenSurface seen = surface_at(mesh_, int(hit.triangle), hit.u, hit.v, g.camera.position);
     const Surfel<float>& s = seen.surfel;
     const auto put = [&](int at, const vec3<float>& x) {
       g.plane[at][i] = x.x, g.plane[at + 1][i] = x.y, g.plane[at + 2][i] = x.z;
