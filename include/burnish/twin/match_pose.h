@@ -154,27 +154,30 @@ std::vector<PoseCandidate> match_pose(const Raycaster& scene, const Mask& mask, 
     views = chosen;
   };
   const bool by_edges = photo.width && options.edge_weight > 0;
-  const auto refine = [&](const MatchLevel& level, const EdgeField& field, int steps, int cost,
+  const auto refine = [&](const MatchLevel& level, const EdgeField& field, int steps, int cost, bool deviation,
                           bool only_place = false) {
     PoseTarget target = level.target;
     target.edges = by_edges ? &field : nullptr, target.edge_weight = options.edge_weight;
     RefineOptions how = refining;
     how.steps = steps;
+    how.deviation = deviation;
     how.only_place = only_place;
     parallel_for(int(views.size()), [&](int i) {
       PoseCandidate& c = views[std::size_t(i)];
+      const Pose<float> known = c.deviation;
       static_cast<MatchedPose&>(c) = refine_pose(scene, edges, target, c, how);
+      if (!deviation) c.deviation = known;
       level.judge(c, scene, tones);
       tell(cost);
     });
   };
   choose(0.1f, first);
-  refine(coarse, coarse_edges, 14, 8);
+  refine(coarse, coarse_edges, 14, 8, false);
   choose(1.04f, second);
-  refine(fine, fine_edges, 24, 40);
+  refine(fine, fine_edges, 24, 40, true);
   if (options.keep_shape) {
     for (PoseCandidate& v : views) v.stretch = {1, 1, 1};
-    refine(fine, fine_edges, 8, 10, true);
+    refine(fine, fine_edges, 8, 10, false, true);
   } else {
     parallel_for(int(views.size()), [&](int i) {
       PoseCandidate& c = views[std::size_t(i)];
