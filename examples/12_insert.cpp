@@ -8,6 +8,7 @@
 #include <burnish/io/mesh.h>
 #include <burnish/io/model.h>
 #include <burnish/io/parts.h>
+#include <burnish/street/denoise.h>
 #include <burnish/street/insert.h>
 #include <burnish/twin/assign_parts.h>
 #include "command.h"
@@ -23,8 +24,8 @@ struct Options {
   std::vector<float> at = {1.5f, 8}, pixel, tint;
   float heading = 150, yaw = 0, focal = 0, above = 1.65f, pitch = 2, roll = 0, exposure = 0, wet = 0, noise = -1,
         blur = -1;
-  int width = 1280, height = 720, samples = 48, threads = 0;
-  bool preview = false;
+  int width = 1280, height = 720, samples = 64, threads = 0;
+  bool preview = false, noisy = false;
 };
 constexpr float degree = 0.0174532925f;
 
@@ -58,6 +59,7 @@ int run(Options o) {
   if (o.twin.empty() && o.vehicle.empty())
     o.vehicle = "/usr/share/sweethome3d/furniture/Scopia.sh3f:scopia/suv/suv.obj";
   Progress whole("");
+  Progress reading("read");
   const Image panorama = read_photo(o.environment);
   Image plate;
   if (!o.plate.empty()) plate = read_photo(o.plate), o.width = plate.width, o.height = plate.height;
@@ -86,6 +88,7 @@ int run(Options o) {
   const vec3<float> size = bounds(in.mesh).size();
   check_writable(o.output);
   catch_interrupt();
+  reading.finish(std::to_string(in.mesh.triangles.size()) + " triangles");
 
   const PanoramaSampler sky(panorama, o.yaw * degree);
   if (plate.width == 0) {  // what the panorama itself shows
@@ -106,22 +109,22 @@ int run(Options o) {
   const dressed::Dressed dress(scene, in.parts.kinds(), in.look);
   const auto material = [&](const Surfel<float>& at, int part) { return dress(part, at); };
   PathOptions options;
-  options.samples = o.preview ? 8 : o.samples;
+  options.samples = o.preview ? 4 : o.samples;
+  options.bounces = o.preview ? 2 : 4;
+  Progress preparing("prepare");
   const PathTracer tracer(scene, sky, material, Ground{0, o.wet}, options);
+  preparing.finish("");
   Progress tracing("trace");
   InsertLayers layers = render_layers(tracer, camera, depth, true, [&](int done, int of) { tracing.show(done, of); });
   tracing.finish(std::to_string(options.samples) + " paths a pixel");
+  if (!o.noisy) {
+    Progress cleaning("denoise");
+    denoise(layers, features(scene, material, camera), o.preview ? 4 : 6);
+    cleaning.finish("");
+  }
+  Progress writing("write");
   match_look(layers, look);
   const Image out = composite(plate, layers, look.exposure);
-  write_png(o.output + "/composite.png", out);
-  write_exr(o.output + "/composite.exr", out);
-  for (const auto& [name, image] : {std::pair{"object", &layers.object},
-                                    {"kept", &layers.kept},
-                                    {"shadow", &layers.shadow},
-                                    {"through", &layers.through},
-                                    {"added", &layers.added}})
-    write_exr(o.output + "/" + name + ".exr", *image);
-
   // What is true.
   const GBuffer g = scene.trace(camera);
   Mask visible(o.width, o.height);
@@ -137,8 +140,20 @@ int run(Options o) {
   if (seen.area == 0) std::printf("  the vehicle is not in the picture\n");
   write_text(o.output + "/label_kitti.txt", kitti_line("Car", seen, label_box(size, place, camera)));
   write_text(o.output + "/label_coco.json", coco_file("composite.png", visible, seen).dump() + "\n");
-  write_exr(o.output + "/gbuffer.exr", g);
-  write_png(o.output + "/mask.png", visible);
+  const std::pair<const char*, const Image*> pictures[] = {{"composite", &out},
+                                                           {"object", &layers.object},
+                                                           {"kept", &layers.kept},
+                                                           {"shadow", &layers.shadow},
+                                                           {"through", &layers.through},
+                                                           {"added", &layers.added}};
+  write_png(o.output + "/composite.png", out);
+  parallel_for(int(std::size(pictures)) + 2, [&](int k) {
+    if (k == 0) write_exr(o.output + "/gbuffer.exr", g);
+    else if (k == 1) write_png(o.output + "/mask.png", visible);
+    else write_exr(o.output + "/" + pictures[k - 2].first + ".exr", *pictures[k - 2].second);
+  });
+
+  writing.finish("");
   std::printf(
       "\nDone after %.1f s. %s/composite.png is the street with the vehicle; mask, boxes and layers lie beside it.\n",
       whole.seconds(), o.output.c_str());
@@ -183,7 +198,8 @@ int main(int argc, char** argv) {
   app.add_option("--blur", o.blur, "of the plate, pixels; -1: measured");
   app.add_option("--size", o.width, "of the picture without a plate: its width; 16 : 9")->check(CLI::Range(64, 8192));
   app.add_option("--samples", o.samples, "paths a pixel")->check(CLI::Range(1, 65536))->capture_default_str();
-  app.add_flag("--preview", o.preview, "8 paths a pixel");
+  app.add_flag("--preview", o.preview, "4 paths a pixel and fewer bounces");
+  app.add_flag("--noisy", o.noisy, "leave the noise of few paths in");
   app.add_option("--threads", o.threads, "0: all cores")->check(CLI::Range(0, 1024))->capture_default_str();
   app.add_option("-o,--output", o.output, "folder for pictures and labels")->capture_default_str();
   return command(app, argc, argv, [&] {

@@ -87,6 +87,7 @@ public:
       }
     }
     for (std::size_t p = 0; p < kinds.size(); ++p) {
+      file_.push_back(parts::file_look(mesh_, mesh_.parts[p], {}));
       const bool textured = mesh_.parts[p].texture >= 0, dark = luminance(mesh_.parts[p].base_color) < 0.2f;
       if (kinds[p] == PartKind::body) role_[p] = Role::paint;
       if (kinds[p] == PartKind::window && !textured) role_[p] = Role::glass;
@@ -97,7 +98,9 @@ public:
   Surface<float> operator()(int part, const Surfel<float>& at) const {
     const std::size_t p = std::size_t(part);
     if (role_[p] == Role::glass) return fitted_.window.glass(at);
-    const Surface<float> own = parts::file_look(mesh_, mesh_.parts[p], at.uv)(at);
+    parts::FileLook<float> look = file_[p];
+    if (mesh_.parts[p].texture >= 0) look.base_color = mesh_.color(mesh_.parts[p], at.uv);
+    const Surface<float> own = look(at);
     if (role_[p] == Role::other) return own;
     Surface<float> s = role_[p] == Role::paint ? fitted_.paint(at) : fitted_.rubber(at);
     if (mesh_.parts[p].texture < 0) return s;
@@ -126,6 +129,7 @@ private:
   looks::Vehicle fitted_;
   std::vector<Role> role_;
   std::vector<Recoloured> main_;
+  std::vector<parts::FileLook<float>> file_;  // its colour where it has no texture
 
   GltfMaterial made(std::size_t p, const GltfMaterial& file, const Surfel<float>& at,
                     const BakeOptions& options) const {

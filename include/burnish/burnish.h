@@ -28,6 +28,7 @@
 #include <burnish/math/color.h>
 #include <burnish/math/frame.h>
 #include <burnish/math/noise.h>
+#include <burnish/math/sequence.h>
 #include <burnish/math/sh.h>
 #include <burnish/math/smooth.h>
 #include <burnish/math/vec.h>

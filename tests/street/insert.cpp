@@ -8,10 +8,7 @@
 using namespace burnish;
 
 namespace {
-InsertLayers layers(int w, int h) {
-  const vec3<float> one(1.0f);
-  return {Image(w, h), Image(w, h, one), Image(w, h, one), Image(w, h, one), Image(w, h)};
-}
+InsertLayers layers(int w, int h) { return InsertLayers(w, h); }
 /// Grey, with noise of that deviation in display values, or a step from dark to light, blurred.
 Image noisy(float deviation) {
   std::mt19937 random(1);

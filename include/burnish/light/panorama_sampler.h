@@ -23,8 +23,13 @@ public:
   PanoramaSampler() = default;
   /// rows: of the table that directions are drawn by, at most; the radiance keeps the panorama's own texels.
   explicit PanoramaSampler(const Image& panorama, float yaw = 0, int rows = 1024)
-      : map_(panorama), turn_(yaw), height_(std::clamp(panorama.height, 1, rows)), width_(2 * height_) {
+      : map_(panorama), turn_(yaw), cos_(std::cos(yaw)), sin_(std::sin(yaw)),
+        height_(std::clamp(panorama.height, 1, rows)), width_(2 * height_) {
+    for (int y = 0; y <= height_; ++y) tops_.push_back(float(std::cos(3.141592653589793 * y / height_)));
     for (float& x : map_.values) x = x > 0 && x < 1e30f ? x : 0;
+    texels_.reserve(std::size_t(map_.width) * std::size_t(map_.height));
+    for (int y = 0; y < map_.height; ++y)
+      for (int x = 0; x < map_.width; ++x) texels_.emplace_back(map_.at(x, y).x, map_.at(x, y).y, map_.at(x, y).z, 0.0f);
     const bool same_size = map_.height == height_ && map_.width == width_;
     const Image coarse = same_size ? map_ : detail::resampled_panorama(map_, height_);
     // A texel's weight: the brightest of what bilinear interpolation makes of it, so that the density is nowhere small
@@ -83,18 +88,23 @@ public:
 
   /// What arrives from a unit direction.
   vec3<float> radiance(const vec3<float>& direction) const {
-    const vec2<double> uv = latlong(turned(vec3<double>(direction), double(-turn_)));
-    const double x = uv.x * map_.width - 0.5, y = std::clamp(uv.y * map_.height - 0.5, 0.0, map_.height - 1.0);
-    const int i = int(std::floor(x)), j = std::min(int(y), map_.height - 1), k = std::min(j + 1, map_.height - 1);
-    const int l = (i + map_.width) % map_.width, r = (i + 1) % map_.width;
-    const float u = float(x - i), v = float(y - j);
-    return mix(mix(map_.at(l, j), map_.at(r, j), u), mix(map_.at(l, k), map_.at(r, k), u), v);
+    const vec2<float> at = place(direction);
+    const float x = at.x * float(map_.width) - 0.5f,
+                y = std::clamp(at.y * float(map_.height) - 0.5f, 0.0f, float(map_.height) - 1);
+    const int i = int(std::floor(x)), j = int(y), k = std::min(j + 1, map_.height - 1);
+    const int l = i < 0 ? i + map_.width : i, r = i + 1 >= map_.width ? i + 1 - map_.width : i + 1;
+    const float u = x - float(i), v = y - float(j);
+    const auto texel = [&](int column, int row) -> const vec4<float>& {
+      return texels_[std::size_t(row) * std::size_t(map_.width) + std::size_t(column)];
+    };
+    const vec4<float> c = mix(mix(texel(l, j), texel(r, j), u), mix(texel(l, k), texel(r, k), u), v);
+    return {c.x, c.y, c.z};
   }
   /// Of sample(), per steradian.
   float density(const vec3<float>& direction) const {
-    const vec2<double> uv = latlong(turned(vec3<double>(direction), double(-turn_)));
-    const int x = std::clamp(int(uv.x * width_), 0, width_ - 1), y = std::clamp(int(uv.y * height_), 0, height_ - 1);
-    return part_[index(x, y)];
+    const vec2<float> at = place(direction);
+    return part_[index(std::clamp(int(at.x * float(width_)), 0, width_ - 1),
+                       std::clamp(int(at.y * float(height_)), 0, height_ - 1))];
   }
   /// From u in [0, 1)^2.
   Sample sample(const vec2<float>& u) const {
@@ -102,27 +112,50 @@ public:
     const auto row = std::upper_bound(rows_.begin() + 1, rows_.end() - 1, double(u.y) * all);
     const int y = int(row - rows_.begin()) - 1;
     const double in_row = rows_[std::size_t(y) + 1] - rows_[std::size_t(y)];
-    const double v = std::clamp((double(u.y) * all - rows_[std::size_t(y)]) / in_row, 0.0, 1.0);
+    const float v = float(std::clamp((double(u.y) * all - rows_[std::size_t(y)]) / in_row, 0.0, 1.0));
     const double* const c = &columns_[std::size_t(y) * std::size_t(width_ + 1)];
     const double target = double(u.x) * c[width_];
     const int x = int(std::upper_bound(c + 1, c + width_, target) - c) - 1;
-    const double s = std::clamp((target - c[x]) / (c[x + 1] - c[x]), 0.0, 1.0);
+    const float s = float(std::clamp((target - c[x]) / (c[x + 1] - c[x]), 0.0, 1.0));
     // Evenly over the texel's solid angle.
-    const double step = 3.141592653589793 / height_, top = std::cos(step * y), bottom = std::cos(step * (y + 1));
-    const double cosine = top + (bottom - top) * v, sine = std::sqrt(std::max(0.0, 1 - cosine * cosine));
-    const double phi = 6.283185307179586 * (x + s) / width_;
-    const vec3<double> d = turned(vec3<double>(sine * std::sin(phi), cosine, -sine * std::cos(phi)), double(turn_));
-    const vec3<float> direction = normalize(vec3<float>(d));
-    return {direction, radiance(direction), part_[index(x, y)]};
+    const float top = tops_[std::size_t(y)], cosine = top + (tops_[std::size_t(y) + 1] - top) * v;
+    const float sine = std::sqrt(std::max(0.0f, (1 - cosine) * (1 + cosine)));
+    const float phi = 2 * pi * (float(x) + s) / float(width_);
+    const float a = sine * std::sin(phi), b = -sine * std::cos(phi);
+    const vec3<float> direction = normalize(vec3<float>(cos_ * a + sin_ * b, cosine, cos_ * b - sin_ * a));
+    return {direction, radiance(direction), density(direction)};
   }
 
 private:
   Image map_;
-  float turn_ = 0;
+  std::vector<vec4<float>> texels_;     // the same, a texel's channels side by side
+  float turn_ = 0, cos_ = 1, sin_ = 0;
   int height_ = 0, width_ = 0;
+  std::vector<float> tops_;             // cosine of the polar angle above each row, and below the last
   std::vector<double> rows_, columns_;  // summed probabilities: above each row, left of each texel in its row
   std::vector<float> part_;             // density in each texel, per steradian
 
+  /// Where in the panorama a direction lies: latlong() in floats, fast; u in [0, 1], v in [0, 1].
+  vec2<float> place(const vec3<float>& d) const {
+    const float x = cos_ * d.x - sin_ * d.z, z = cos_ * d.z + sin_ * d.x;
+    const float u = angle(x, -z) * (0.5f * inverse_pi);
+    return {u < 0 ? u + 1 : u, angle(std::sqrt(x * x + z * z), d.y) * inverse_pi};
+  }
+  /// atan2(y, x) to about 1e-7 rad (Abramowitz and Stegun 1964, 4.4.49).
+  static float angle(float y, float x) {
+    const float a = std::abs(x), b = std::abs(y), most = std::max(a, b);
+    if (!(most > 0)) return 0;
+    const float t = std::min(a, b) / most, s = t * t;
+    float r = t * (1 + s * (-0.3333314528f +
+                            s * (0.1999355085f +
+                                 s * (-0.1420889944f +
+                                      s * (0.1065626393f +
+                                           s * (-0.0752896400f +
+                                                s * (0.0429096138f + s * (-0.0161657367f + s * 0.0028662257f))))))));
+    if (b > a) r = 0.5f * pi - r;
+    if (x < 0) r = pi - r;
+    return y < 0 ? -r : r;
+  }
   std::size_t index(int x, int y) const { return std::size_t(y) * std::size_t(width_) + std::size_t(x); }
 };
 

@@ -12,11 +12,26 @@ namespace burnish {
 /// Pictures of linear RGB, height x width. The plate is what a camera saw without the vehicle:
 /// composite = object + plate * (kept of the plate), see insert.h.
 struct InsertLayers {
+  InsertLayers() = default;
+  /// Nothing is inserted.
+  InsertLayers(int w, int h)
+      : object(w, h), through(w, h, vec3<float>(1)), ground(w, h), shadow(through), kept(through), added(w, h),
+        object_variance(w, h), shadow_variance(w, h) {}
+
   Image object;    ///< radiance of the vehicle, by its coverage
   Image through;   ///< what it lets through of what is behind it; 1 where it is not
+  Image ground;    ///< of that, what is ground
   Image shadow;    ///< irradiance of the ground with the vehicle, by that without; 1 where no ground is seen
-  Image kept;      ///< mean of through x shadow
+  Image kept;      ///< through, and of it the ground in the shadow
   Image added;     ///< radiance that a wet ground mirrors more, or less, for the vehicle's being there
+  Image object_variance, shadow_variance;  ///< of their pixels, as far as the paths tell
+
+  /// kept anew, of through, ground and shadow.
+  void lay_shadow() {
+    for (int y = 0; y < kept.height; ++y)
+      for (int x = 0; x < kept.width; ++x)
+        kept.set(x, y, through.at(x, y) + ground.at(x, y) * (shadow.at(x, y) - vec3<float>(1.0f)));
+  }
 };
 
 namespace detail {
@@ -64,34 +79,41 @@ inline bool passes_box(const Camera& c, int x, int y, const Box& near) {
 }  // namespace detail
 
 /// scene_depth: metres along the camera's axis to what the photo shows, of the camera's size, or of no size; what
-/// lies behind it is hidden. grounded: whether the shadow is seen (it always falls on the ground). A few samples are
-/// taken everywhere; where these and all that lie up to 6 pixels away find nothing of the vehicle, they are all.
+/// lies behind it is hidden. grounded: whether the shadow is seen (it always falls on the ground). A few paths are traced
+/// in every fourth pixel; where these, up to 6 pixels away, find nothing of the vehicle and its shadow, there is none.
 template <class Material, class Progress>
 InsertLayers render_layers(const PathTracer<Material>& tracer, const Camera& camera, const Mask& scene_depth,
                            bool grounded, Progress progress) {
   const int w = camera.width, h = camera.height, samples = tracer.options().samples, first = std::min(samples, 4);
   const std::uint32_t seed = tracer.options().seed;
   std::vector<PlateSample> sums(std::size_t(w) * std::size_t(h));
+  struct Squares {
+    vec3<float> object, seen, both, all, thrown;
+  };
+  std::vector<Squares> squares(sums.size());
   std::vector<int> taken(sums.size());
   std::vector<std::uint8_t> busy(sums.size());
   std::mutex telling;
   int done = 0;
   const Box near = detail::shadow_reach(tracer.scene(), tracer.ground());
-  const auto pass = [&](int from, int to, auto wanted) {
+  const auto pass = [&](auto wanted) {
     parallel_for(h, [&](int y) {
       for (int x = 0; x < w; ++x) {
         const std::size_t i = std::size_t(y) * std::size_t(w) + std::size_t(x);
-        if (!wanted(x, y, i)) continue;
+        const auto [from, to] = wanted(x, y, i);
+        if (from >= to) continue;
         const float hidden = scene_depth.width == w && scene_depth.height == h
                                  ? scene_depth.at(x, y)
                                  : std::numeric_limits<float>::infinity();
         for (int s = from; s < to; ++s) {
-          detail::Random random(std::uint32_t(i), std::uint32_t(s), seed);
-          // The places in the pixel are spread evenly (Roberts 2018), turned by the pixel's own numbers.
-          const float u = random() + 0.7548776662f * float(s), v = random() + 0.5698402910f * float(s);
-          const PlateSample p = tracer.sample(
-              camera, {float(x) + u - std::floor(u), float(y) + v - std::floor(v)}, hidden, grounded, random);
+          PathNumbers random(std::uint32_t(i), std::uint32_t(s), seed);
+          const PlateSample p =
+              tracer.sample(camera, vec2<float>(float(x), float(y)) + random.pair(), hidden, grounded, random);
           busy[i] |= p.busy();
+          Squares& q = squares[i];
+          const GroundLight& g = p.ground;
+          q.object += p.object * p.object, q.thrown += g.thrown * g.thrown;
+          q.seen += g.seen * g.seen, q.both += g.seen * g.all, q.all += g.all * g.all;
           if (taken[i]++ == 0) sums[i] = p;
           else sums[i] += p;
         }
@@ -100,21 +122,33 @@ InsertLayers render_layers(const PathTracer<Material>& tracer, const Camera& cam
       progress(++done, 2 * h);
     });
   };
-  pass(0, first, [&](int x, int y, std::size_t) { return detail::passes_box(camera, x, y, near); });
+  const auto tried = [&](int x, int y) { return x % 2 == 0 && y % 2 == 0 && detail::passes_box(camera, x, y, near); };
+  pass([&](int x, int y, std::size_t) { return std::pair(0, tried(x, y) ? first : 0); });
   busy = detail::grown(std::move(busy), w, h, 6);
-  pass(first, samples, [&](int, int, std::size_t i) { return busy[i] && taken[i] > 0; });
+  pass([&](int, int, std::size_t i) { return std::pair(taken[i], busy[i] ? samples : 0); });
 
-  InsertLayers out{Image(w, h), Image(w, h), Image(w, h), Image(w, h), Image(w, h)};
+  InsertLayers out(w, h);
   for (int y = 0; y < h; ++y)
     for (int x = 0; x < w; ++x) {
       const std::size_t i = std::size_t(y) * std::size_t(w) + std::size_t(x);
       const PlateSample& sum = sums[i];
       const float k = 1 / float(std::max(taken[i], 1));
-      const auto positive = [](const vec3<float>& c) { return max(c, vec3<float>(0.0f)); };
-      out.object.set(x, y, sum.object * k), out.through.set(x, y, sum.through * k);
-      out.shadow.set(x, y, positive(sum.shadow * k)), out.kept.set(x, y, positive(sum.kept * k));
-      out.added.set(x, y, sum.added * k);
+      const vec3<float> none(0.0f), all = max(sum.ground.all, vec3<float>(1e-20f));
+      out.object.set(x, y, sum.object * k), out.through.set(x, y, sum.through * k), out.added.set(x, y, sum.added * k);
+      out.ground.set(x, y, sum.to_ground * k);
+      const Squares& q = squares[i];
+      const float n = 1 / float(std::max(taken[i] - 1, 1));
+      out.object_variance.set(x, y, max(q.object * k - sum.object * sum.object * (k * k), none) * n);
+      const auto share = [](float seen, float of) { return of > 0 ? seen / of : 1; };
+      const vec3<float> seen(share(sum.ground.seen.x, sum.ground.all.x), share(sum.ground.seen.y, sum.ground.all.y),
+                             share(sum.ground.seen.z, sum.ground.all.z));
+      out.shadow.set(x, y, seen + sum.ground.thrown * k);
+      // Of a ratio of sums (Cochran 1977, 2.46), and of the mean of what is thrown back.
+      const vec3<float> off = q.seen - 2.0f * seen * q.both + seen * seen * q.all;
+      out.shadow_variance.set(x, y, max(off, none) / (k * (all * all) * k) * (k * n) +
+                                        max(q.thrown * k - sum.ground.thrown * sum.ground.thrown * (k * k), none) * n);
     }
+  out.lay_shadow();
   return out;
 }
 

@@ -7,7 +7,9 @@
 #pragma once
 #include <cstdint>
 #include <limits>
+#include <burnish/ad/parallel.h>
 #include <burnish/light/panorama_sampler.h>
+#include <burnish/math/sequence.h>
 #include <burnish/scene/raycast.h>
 #include <burnish/shade/sample.h>
 
@@ -25,36 +27,33 @@ struct PathOptions {
   bool by_brightness = true;  ///< false: light is drawn evenly from the sphere (to compare with)
   std::uint32_t seed = 1;
 };
-/// One path through a pixel, as InsertLayers' pictures (insert_layers.h) are means of; and sums of such.
+/// What light the ground gets, by what it gets without the vehicle. One draw's numbers mean little: of the sums of many,
+/// seen / all is the shadow, without noise where all is seen or nothing is (a ratio estimator: consistent, its bias falls
+/// as one by the number of draws).
+struct GroundLight {
+  vec3<float> seen, all;  ///< past the vehicle; all of it: 1 in the mean
+  vec3<float> thrown;     ///< by the vehicle, back on the ground
+};
+/// One path through a pixel, as InsertLayers' pictures (insert_layers.h) are made of; and sums of such.
 struct PlateSample {
-  vec3<float> object, through{1, 1, 1}, shadow{1, 1, 1}, kept{1, 1, 1}, added;
+  vec3<float> object, through{1, 1, 1}, added;
+  vec3<float> to_ground;  ///< of through, what shows ground
+  GroundLight ground;
 
   /// Whether anything of the vehicle is in it.
-  bool busy() const { return kept.x != 1 || kept.y != 1 || kept.z != 1 || object.x + added.x != 0; }
+  bool busy() const {
+    const vec3<float> hidden = ground.all - ground.seen;
+    return through.x != 1 || through.y != 1 || through.z != 1 || hidden.x + hidden.y + hidden.z != 0 ||
+           object.x + added.x != 0;
+  }
   PlateSample& operator+=(const PlateSample& o) {
-    object += o.object, through += o.through, shadow += o.shadow, kept += o.kept, added += o.added;
+    object += o.object, through += o.through, added += o.added, to_ground += o.to_ground;
+    ground.seen += o.ground.seen, ground.all += o.ground.all, ground.thrown += o.ground.thrown;
     return *this;
   }
 };
 
 namespace detail {
-/// Numbers in [0, 1): PCG (O'Neill 2014).
-class Random {
-public:
-  Random(std::uint32_t pixel, std::uint32_t sample, std::uint32_t seed) {
-    state_ = (std::uint64_t(pixel) << 32 | sample) * 0x9e3779b97f4a7c15u + seed;
-    next(), state_ ^= std::uint64_t(seed) * 0xda942042e4dd58b5u, next();
-  }
-  float operator()() { return float(next() >> 8) * 0x1p-24f; }
-
-private:
-  std::uint64_t state_;
-  std::uint32_t next() {
-    state_ = state_ * 6364136223846793005u + 1442695040888963407u;
-    const auto shifted = std::uint32_t(((state_ >> 18) ^ state_) >> 27), turn = std::uint32_t(state_ >> 59);
-    return shifted >> turn | shifted << ((32 - turn) & 31);
-  }
-};
 inline float power_heuristic(float mine, float other) {
   const float a = mine * mine, b = other * other;
   return a + b > 0 ? a / (a + b) : 0;
@@ -72,6 +71,7 @@ public:
         open_(sky.irradiance({0, 1, 0})) {
     const vec3<float> down = sky.irradiance({0, -1, 0}), mean = (open_ + down) * (0.5f * inverse_pi);
     limit_ = options.brightest * std::max({mean.x, mean.y, mean.z, 1e-6f});
+    shade_ground();
   }
 
   const Raycaster& scene() const { return scene_; }
@@ -81,7 +81,7 @@ public:
   /// place: in the camera's picture. hidden: metres along the camera's axis from which on something else is seen.
   /// grounded: whether the ground's shadow is seen.
   PlateSample sample(const Camera& camera, const vec2<float>& place, float hidden, bool grounded,
-                     detail::Random& random) const {
+                     PathNumbers& random) const {
     PlateSample p;
     Ray ray = camera.ray(place.x, place.y);
     const float along = dot(ray.direction, camera.forward);
@@ -96,13 +96,13 @@ public:
       if (left.x + left.y + left.z <= 0) break;
       ray.origin = lifted(hit, ray.direction);
     }
-    p.through = p.kept = left;
+    p.through = left;
     if (!grounded || left.x + left.y + left.z <= 0) return p;
     const float t = to_ground(ray);
     const vec3<float> foot = ray.origin + ray.direction * t;
     if (!std::isfinite(t) || dot(foot - camera.position, camera.forward) >= hidden + 0.05f * along) return p;
-    p.shadow = shadow_at(foot, random, options_.bounces - 1);
-    p.kept = left * p.shadow;
+    p.ground = shadow_at(foot, random, options_.bounces - 1);
+    p.to_ground = left;
     if (ground_.wet > 0) {
       const vec3<float> up(0, 1, 0), mirrored(ray.direction.x, -ray.direction.y, ray.direction.z);
       const Ray away{foot + up * ((1 + length(foot)) * 1e-4f), mirrored};
@@ -122,6 +122,10 @@ private:
   PathOptions options_;
   vec3<float> open_;  // irradiance of the ground without the vehicle
   float limit_;
+  std::vector<vec3<float>> shade_;  // see shade_ground
+  vec2<float> shade_from_;
+  float shade_step_ = 1;
+  int shade_width_ = 0, shade_height_ = 0;
 
   float to_ground(const Ray& r) const {
     const float t = (ground_.height - r.origin.y) / r.direction.y;
@@ -134,10 +138,9 @@ private:
     return s.transmission_weight > 0 ? transmittance(s, dot(hit.surfel.normal, hit.surfel.view)) : vec3<float>();
   }
 
-  PanoramaSampler::Sample light(detail::Random& random) const {
-    const float u = random(), v = random();
-    if (options_.by_brightness) return sky_.sample({u, v});
-    const float z = 1 - 2 * u, r = std::sqrt(std::max(0.0f, 1 - z * z)), phi = 2 * pi * v;
+  PanoramaSampler::Sample light(const vec2<float>& u) const {
+    if (options_.by_brightness) return sky_.sample(u);
+    const float z = 1 - 2 * u.x, r = std::sqrt(std::max(0.0f, 1 - z * z)), phi = 2 * pi * u.y;
     const vec3<float> d(r * std::cos(phi), z, r * std::sin(phi));
     return {d, sky_.radiance(d), 0.25f * inverse_pi};
   }
@@ -162,42 +165,81 @@ private:
     return {};
   }
   /// Light of the panorama from a direction as it arrives at a place on the vehicle: past the vehicle, off the ground.
-  vec3<float> arriving(const vec3<float>& from, const vec3<float>& d, const vec3<float>& radiance,
-                       detail::Random& random) const {
+  vec3<float> arriving(const vec3<float>& from, const vec3<float>& d, const vec3<float>& radiance) const {
     const Ray ray{from, d};
     const float far = to_ground(ray);
     const vec3<float> left = passes(ray, far);
     if (left.x + left.y + left.z <= 0 || !std::isfinite(far)) return radiance * left;
-    return radiance * left * shadow_at(from + d * far, random, 0);
+    return radiance * left * shaded(from + d * far);
   }
 
-  /// One draw of the ground's irradiance with the vehicle by that without: 1 less what the vehicle keeps away, with
-  /// what it throws back if bounces > 0.
-  vec3<float> shadow_at(const vec3<float>& place, detail::Random& random, int bounces) const {
+  /// The shadow on a grid about the vehicle, for the ground as the vehicle mirrors it.
+  void shade_ground() {
+    constexpr int draws = 32;
+    const Box box = bounds(scene_.mesh());
+    const float reach = 1.5f * (box.high.y - ground_.height);
+    if (!(reach > 0)) return;
+    shade_from_ = {box.low.x - reach, box.low.z - reach};
+    const vec2<float> size(box.high.x + reach - shade_from_.x, box.high.z + reach - shade_from_.y);
+    shade_step_ = std::max(size.x, size.y) / 99;
+    shade_width_ = int(size.x / shade_step_) + 2, shade_height_ = int(size.y / shade_step_) + 2;
+    shade_.resize(std::size_t(shade_width_) * std::size_t(shade_height_));
+    parallel_for(shade_height_, [&](int j) {
+      for (int i = 0; i < shade_width_; ++i) {
+        const std::size_t at = std::size_t(j) * std::size_t(shade_width_) + std::size_t(i);
+        const vec3<float> place(shade_from_.x + float(i) * shade_step_, ground_.height,
+                                shade_from_.y + float(j) * shade_step_);
+        GroundLight sum;
+        for (std::uint32_t k = 0; k < draws; ++k) {
+          PathNumbers random(std::uint32_t(at), k, ~options_.seed);
+          const GroundLight g = shadow_at(place, random, 0);
+          sum.seen += g.seen, sum.all += g.all;
+        }
+        const auto share = [](float seen, float of) { return of > 0 ? seen / of : 1; };
+        shade_[at] = {share(sum.seen.x, sum.all.x), share(sum.seen.y, sum.all.y), share(sum.seen.z, sum.all.z)};
+      }
+    });
+  }
+  /// That grid's shadow at a place of the ground.
+  vec3<float> shaded(const vec3<float>& place) const {
+    const float x = (place.x - shade_from_.x) / shade_step_, y = (place.z - shade_from_.y) / shade_step_;
+    if (shade_.empty() || !(x >= 0 && y >= 0 && x < float(shade_width_ - 1) && y < float(shade_height_ - 1)))
+      return vec3<float>(1.0f);
+    const int i = int(x), j = int(y);
+    const vec3<float>* const at = &shade_[std::size_t(j) * std::size_t(shade_width_) + std::size_t(i)];
+    return mix(mix(at[0], at[1], x - float(i)), mix(at[shade_width_], at[shade_width_ + 1], x - float(i)), y - float(j));
+  }
+
+  /// One draw by the light and one by the cosine; with what the vehicle throws back if bounces > 0.
+  GroundLight shadow_at(const vec3<float>& place, PathNumbers& random, int bounces) const {
     const vec3<float> up(0, 1, 0), from = place + up * ((1 + length(place)) * 1e-4f);
-    vec3<float> ratio(1.0f);
+    constexpr float far = std::numeric_limits<float>::infinity();
+    GroundLight out;
     const auto relative = [&](const vec3<float>& e) {
       return e / max(open_, vec3<float>(1e-9f));
     };
-    // By the light.
-    const auto s = light(random);
+    const vec2<float> to_light = random.pair(), about = random.pair();
+    const auto s = light(to_light);
     if (const float c = s.direction.y; c > 0 && s.density > 0) {
-      const vec3<float> left = passes({from, s.direction}, std::numeric_limits<float>::infinity());
-      const float weight = detail::power_heuristic(s.density, c * inverse_pi);
-      ratio = ratio - relative(s.radiance * (vec3<float>(1.0f) - left) * (c * weight / s.density));
+      const vec3<float> e =
+          relative(s.radiance * (c * detail::power_heuristic(s.density, c * inverse_pi) / s.density));
+      out.all = e, out.seen = e * passes({from, s.direction}, far);
     }
-    // By the cosine.
-    const float u = random(), phi = 2 * pi * random(), r = std::sqrt(u), c = std::sqrt(std::max(1 - u, 1e-7f));
+    const float phi = 2 * pi * about.y, r = std::sqrt(about.x), c = std::sqrt(std::max(1 - about.x, 1e-7f));
     const Ray ray{from, {r * std::cos(phi), c, r * std::sin(phi)}};
-    if (!scene_.blocked(ray)) return ratio;
-    const float density = c * inverse_pi, weight = detail::power_heuristic(density, light_density(ray.direction));
-    const vec3<float> left = passes(ray, std::numeric_limits<float>::infinity());
-    ratio = ratio - relative(sky_.radiance(ray.direction) * (vec3<float>(1.0f) - left) * (weight * pi));
-    if (bounces > 0) ratio += relative(thrown_back(ray, random, bounces) * pi);
-    return ratio;
+    const vec3<float> e = relative(sky_.radiance(ray.direction) *
+                                   (detail::power_heuristic(c * inverse_pi, light_density(ray.direction)) * pi));
+    out.all += e;
+    if (!scene_.blocked(ray)) {
+      out.seen += e;
+      return out;
+    }
+    out.seen += e * passes(ray, far);
+    if (bounces > 0) out.thrown = relative(thrown_back(ray, random, bounces) * pi);
+    return out;
   }
   /// What comes along a ray from the vehicle itself, not from the sky through its panes.
-  vec3<float> thrown_back(const Ray& ray, detail::Random& random, int bounces) const {
+  vec3<float> thrown_back(const Ray& ray, PathNumbers& random, int bounces) const {
     const SeenSurface hit = scene_.first_hit(ray);
     if (hit.part < 0) return {};
     const Surface<float> s = material_(hit.surfel, hit.part);
@@ -210,7 +252,7 @@ private:
   }
 
   /// What a place of the vehicle reflects towards its view.
-  vec3<float> reflected_by(const SeenSurface& hit, const Surface<float>& surface, detail::Random& random,
+  vec3<float> reflected_by(const SeenSurface& hit, const Surface<float>& surface, PathNumbers& random,
                            int bounces) const {
     const Surfel<float>& at = hit.surfel;
     const Layers<float> s = layers(surface);
@@ -219,15 +261,17 @@ private:
                       coat = normalize(from_tangent_frame(surface.geometry_coat_normal, n, at.tangent));
     const LobeChances chances = lobe_chances(s, std::max(dot(n, v), 1e-4f));
     vec3<float> sum;
-    const auto sun = light(random);
+    // Drawn before the light's way takes numbers or does not: each pair keeps its use from path to path.
+    const vec2<float> to_light = random.pair(), in_lobe = random.pair();
+    const float which = random();
+    const auto sun = light(to_light);
     if (sun.density > 0 && dot(n, sun.direction) > 0 && dot(hit.face, sun.direction) > 0) {
       const vec3<float> f = brdf_cos(s, base, coat, v, sun.direction);
       const float weight = detail::power_heuristic(sun.density, brdf_density(s, chances, n, v, sun.direction));
       if (f.x + f.y + f.z > 0)
-        sum += f * arriving(lifted(hit, sun.direction), sun.direction, sun.radiance, random) * (weight / sun.density);
+        sum += f * arriving(lifted(hit, sun.direction), sun.direction, sun.radiance) * (weight / sun.density);
     }
-    const float u1 = random(), u2 = random(), u3 = random();
-    const vec3<float> l = sample_brdf(s, chances, n, v, {u1, u2, u3});
+    const vec3<float> l = sample_brdf(s, chances, n, v, {in_lobe.x, in_lobe.y, which});
     const float density = brdf_density(s, chances, n, v, l);
     if (!(density > 0) || dot(hit.face, l) <= 0) return sum;
     const vec3<float> f = brdf_cos(s, base, coat, v, l) / density;
@@ -235,13 +279,13 @@ private:
     const SeenSurface next = scene_.first_hit(on);
     if (next.part < 0) {
       const float weight = detail::power_heuristic(density, light_density(l));
-      return sum + f * arriving(on.origin, l, sky_.radiance(l), random) * weight;
+      return sum + f * arriving(on.origin, l, sky_.radiance(l)) * weight;
     }
     return sum + clipped(f * seen(next, on, random, bounces - 1, density));
   }
   /// The radiance of a place that a ray meets, and of what lies behind it where it is a pane: one of both, by chance.
   /// density: with which the ray was drawn, 0 where it was not. Without bounces: of what lies beyond panes only.
-  vec3<float> seen(SeenSurface hit, Ray ray, detail::Random& random, int bounces, float density) const {
+  vec3<float> seen(SeenSurface hit, Ray ray, PathNumbers& random, int bounces, float density) const {
     vec3<float> left(1.0f);
     for (int wall = 0; wall < 12; ++wall) {
       const Surface<float> s = material_(hit.surfel, hit.part);
@@ -255,7 +299,7 @@ private:
       hit = scene_.first_hit(ray);
       if (hit.part >= 0) continue;
       const float weight = density > 0 ? detail::power_heuristic(density, light_density(ray.direction)) : 1;
-      return left * arriving(ray.origin, ray.direction, sky_.radiance(ray.direction), random) * weight;
+      return left * arriving(ray.origin, ray.direction, sky_.radiance(ray.direction)) * weight;
     }
     return {};
   }
