@@ -1,9 +1,9 @@
 // burnish/street/denoise.h -- noise of few paths taken out of an insertion's layers, edges and textures kept
 // SPDX-License-Identifier: Apache-2.0
 //
-// Non-local means whose distances know each pixel's own noise (Rousselle, Knaus and Zwicker 2012), held back by pictures
-// without noise (Rousselle, Manzi and Zwicker 2013): what another part, normal, colour or depth tells apart is not mixed.
-// A little light is moved to neighbours; its sum stays about the same.
+// Non-local means whose distances know each pixel's own noise (Rousselle, Knaus and Zwicker 2012), held back by
+// pictures without noise (Rousselle, Manzi and Zwicker 2013): what another part, normal, colour or depth tells apart is
+// not mixed. Lone pixels far brighter than all about them are dimmed first, so a little light is lost.
 #pragma once
 #include <burnish/street/insert_layers.h>
 
@@ -105,8 +105,31 @@ inline void non_local_means(const std::vector<const float*>& colors, const std::
     for (std::size_t i = 0; i < weights.size(); ++i)
       if (weights[i] > 0) out[c][std::size_t(y0) * width + i] = total[c][i] / weights[i];
 }
-inline void denoise_image(Image& image, const Image& variance, const std::vector<Mask>& guides, int reach) {
+/// No pixel of much noise is brighter than the brightest of its eight neighbours.
+inline void dim_fireflies(Image& image, Image& variance) {
+  const Image from = image;
+  const int w = image.width, h = image.height;
+  const auto bright = [&](int x, int y) {
+    const vec3<float> c = from.at(x, y);
+    return 0.2126f * c.x + 0.7152f * c.y + 0.0722f * c.z;
+  };
+  parallel_for(h, [&](int y) {
+    for (int x = 0; x < w; ++x) {
+      const float mine = bright(x, y);
+      if (!(mine > 0) || variance.at(x, y).y < 0.1f * mine * mine) continue;
+      float most = 0;
+      for (int j = std::max(0, y - 1); j <= std::min(h - 1, y + 1); ++j)
+        for (int i = std::max(0, x - 1); i <= std::min(w - 1, x + 1); ++i)
+          if (i != x || j != y) most = std::max(most, bright(i, j));
+      if (mine <= most) continue;
+      const float k = most / mine;
+      image.set(x, y, from.at(x, y) * k), variance.set(x, y, variance.at(x, y) * (k * k));
+    }
+  });
+}
+inline void denoise_image(Image& image, Image variance, const std::vector<Mask>& guides, int reach) {
   const int w = image.width, h = image.height, band = 16;
+  dim_fireflies(image, variance);
   Image noisy = image;
   // What few paths say of their own noise is noise itself: the mean of nine pixels.
   Image calm(w, h);
@@ -132,8 +155,8 @@ inline void denoise_image(Image& image, const Image& variance, const std::vector
 }
 }  // namespace detail
 
-/// Takes the noise out of object and shadow, and of kept with them. reach: pixels to each side from which a pixel may take;
-/// its cost grows with the square.
+/// Takes the noise out of object and shadow, and of kept with them. reach: pixels to each side from which a pixel may
+/// take; its cost grows with the square.
 inline void denoise(InsertLayers& layers, const PlateFeatures& features, int reach = 6) {
   const int w = layers.object.width, h = layers.object.height;
   std::vector<Mask> guides = features.planes;

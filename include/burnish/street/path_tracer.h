@@ -27,9 +27,9 @@ struct PathOptions {
   bool by_brightness = true;  ///< false: light is drawn evenly from the sphere (to compare with)
   std::uint32_t seed = 1;
 };
-/// What light the ground gets, by what it gets without the vehicle. One draw's numbers mean little: of the sums of many,
-/// seen / all is the shadow, without noise where all is seen or nothing is (a ratio estimator: consistent, its bias falls
-/// as one by the number of draws).
+/// What light the ground gets, by what it gets without the vehicle. One draw's numbers mean little: of the sums of
+/// many, seen / all is the shadow, without noise where all is seen or nothing is (a ratio estimator: consistent, its
+/// bias falls as one by the number of draws).
 struct GroundLight {
   vec3<float> seen, all;  ///< past the vehicle; all of it: 1 in the mean
   vec3<float> thrown;     ///< by the vehicle, back on the ground
@@ -175,7 +175,7 @@ private:
 
   /// The shadow on a grid about the vehicle, for the ground as the vehicle mirrors it.
   void shade_ground() {
-    constexpr int draws = 32;
+    const std::uint32_t draws = std::uint32_t(std::max(32, options_.samples));
     const Box box = bounds(scene_.mesh());
     const float reach = 1.5f * (box.high.y - ground_.height);
     if (!(reach > 0)) return;
@@ -207,7 +207,8 @@ private:
       return vec3<float>(1.0f);
     const int i = int(x), j = int(y);
     const vec3<float>* const at = &shade_[std::size_t(j) * std::size_t(shade_width_) + std::size_t(i)];
-    return mix(mix(at[0], at[1], x - float(i)), mix(at[shade_width_], at[shade_width_ + 1], x - float(i)), y - float(j));
+    const float u = x - float(i), v = y - float(j);
+    return mix(mix(at[0], at[1], u), mix(at[shade_width_], at[shade_width_ + 1], u), v);
   }
 
   /// One draw by the light and one by the cosine; with what the vehicle throws back if bounces > 0.
