@@ -1,6 +1,7 @@
 // burnish/scene/cut.h -- a mesh cut along the faces of a convex region
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <algorithm>
 #include <array>
 #include <map>
 #include <utility>
@@ -32,8 +33,8 @@ struct CutMesh {
   std::vector<std::pair<int, int>> seam;
   std::vector<int> seam_part;  // whose triangle the edge is
 };
-/// Cuts the triangles of those parts for which takes(part, place of the triangle's middle) holds; the others stay outside.
-/// Normals and uvs are interpolated; nothing is moved, so the surface stays the same.
+/// Cuts the triangles of those parts for which takes(part, place of the triangle's middle) holds; the others stay
+/// outside. Normals and uvs are interpolated; nothing is moved, so the surface stays the same.
 template <class Takes> CutMesh cut(const Mesh& mesh, const ConvexRegion& region, Takes takes) {
   CutMesh out;
   Mesh& m = out.mesh;

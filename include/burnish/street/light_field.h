@@ -41,4 +41,21 @@ inline EnvironmentLight six_lights(const EnvironmentLight& as_bright) {
   return six_lights(vec3<float>(as_bright.energy() * (1.0 / 6)));
 }
 
+/// The same for a path tracer: a black panorama with six discs of 4 degrees' radius that give a level plane the
+/// irradiance asked for.
+inline Image six_lights_panorama(const vec3<float>& level_irradiance, int height = 512) {
+  Image p(2 * height, height);
+  const double edge = std::cos(0.07);
+  double up = 0;  // irradiance of a level plane by radiance 1
+  for (const bool fill : {false, true})
+    for (int y = 0; y < height; ++y)
+      for (int x = 0; x < 2 * height; ++x) {
+        const vec3<double> d = latlong_direction((x + 0.5) / (2 * height), (y + 0.5) / height);
+        if (std::max({std::abs(d.x), std::abs(d.y), std::abs(d.z)}) < edge) continue;
+        if (!fill) up += std::max(d.y, 0.0) * detail::texel_area(2 * height, height, y);
+        else p.set(x, y, level_irradiance * float(1 / up));
+      }
+  return p;
+}
+
 }  // namespace burnish
