@@ -145,6 +145,7 @@ inline std::vector<Joint> find_joints(const Mesh& m, const std::vector<PartKind>
   hub /= float(standing);
   detail::add_wheels(out, wheels, 0.5f * (front + rear));
 
+  const float waist = box.low.y + 0.52f * box.size().y;  // panes lie above it, lamps below
   const float half = 0.5f * box.size().z, middle = 0.5f * (front + rear);
   for (const float side : {-1.0f, 1.0f}) {
     const std::string name = side > 0 ? "right" : "left";
@@ -205,7 +206,7 @@ inline std::vector<Joint> find_joints(const Mesh& m, const std::vector<PartKind>
   }
 
   const auto screen = panes_of(m, kinds, [&](const vec3<float>& n, const vec3<float>& p) {
-    return std::abs(n.x) > 0.25f && std::abs(n.z) < 0.6f && p.x > middle;
+    return std::abs(n.x) > 0.25f && std::abs(n.z) < 0.6f && p.x > middle && p.y > waist;
   });
   if (screen.points.empty()) note("no windscreen: the bonnet is not found");
   else {
@@ -234,7 +235,7 @@ inline std::vector<Joint> find_joints(const Mesh& m, const std::vector<PartKind>
   }
 
   const auto back = panes_of(m, kinds, [&](const vec3<float>& n, const vec3<float>& p) {
-    return std::abs(n.x) > 0.25f && std::abs(n.z) < 0.6f && p.x < middle;
+    return std::abs(n.x) > 0.25f && std::abs(n.z) < 0.6f && p.x < middle && p.y > waist;
   });
   if (back.points.empty()) note("no rear pane: the boot is not found");
   else {
@@ -247,6 +248,10 @@ inline std::vector<Joint> find_joints(const Mesh& m, const std::vector<PartKind>
     j.name = "boot";
     const float wide = 0.78f * half, bumper = box.low.y + 0.42f * (foot.y - box.low.y) + 0.1f;
     j.axis = {0, 0, -1}, j.thickness = 0.04f;
+    if (foot.x - box.low.x > 1.1f) {
+      note("the rear pane is far from the rear end, as a pickup's: no boot");
+      return out;
+    }
     if (foot.x - box.low.x > 0.38f) {  // a lid behind the pane
       const float from = box.low.x - 0.02f, to = foot.x - 0.03f;
       j.region = detail::hull_prism({{from, -wide}, {to, -wide}, {from, wide}, {to, wide}}, 1);
