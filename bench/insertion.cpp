@@ -31,10 +31,12 @@ void add_solid(Mesh& m, const vec3<float>& low, const vec3<float>& high, bool ba
       for (int i = 0; i < steps; ++i) {
         const float u = 2 * float(i) / float(steps - 1) - 1, v = 2 * float(j) / float(steps - 1) - 1;
         const float s = side % 2 ? 1.0f : -1.0f;
-        vec3<float> p = side / 2 == 0 ? vec3<float>(s, u, v) : side / 2 == 1 ? vec3<float>(v, s, u)
-                                                                             : vec3<float>(u, v, s);
-        vec3<float> n = side / 2 == 0 ? vec3<float>(s, 0, 0) : side / 2 == 1 ? vec3<float>(0, s, 0)
-                                                                             : vec3<float>(0, 0, s);
+        vec3<float> p = side / 2 == 0   ? vec3<float>(s, u, v)
+                        : side / 2 == 1 ? vec3<float>(v, s, u)
+                                        : vec3<float>(u, v, s);
+        vec3<float> n = side / 2 == 0   ? vec3<float>(s, 0, 0)
+                        : side / 2 == 1 ? vec3<float>(0, s, 0)
+                                        : vec3<float>(0, 0, s);
         if (ball) p = n = normalize(p);
         m.add(middle + p * half, normalize(n / half), {u, v});
       }

@@ -33,8 +33,10 @@ int main(int argc, char** argv) {
     tracing.finish(std::to_string(o.preview ? 4 : o.samples) + " paths a pixel");
     if (shot.seen.area == 0) std::printf("  the vehicle is not in the picture\n");
     insertion::write(output, shot);
-    std::printf("\nDone after %.1f s. %s/composite.png is the street with the vehicle; mask, boxes and layers lie "
-                "beside it.\n", whole.seconds(), output.c_str());
+    std::printf(
+        "\nDone after %.1f s. %s/composite.png is the street with the vehicle; mask, boxes and layers lie "
+        "beside it.\n",
+        whole.seconds(), output.c_str());
     return 0;
   });
 }

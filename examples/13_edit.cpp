@@ -24,7 +24,8 @@ std::vector<Item> gallery(const std::vector<Joint>& joints, const std::string& r
   e = {};
   if (has("bonnet")) e.open.push_back("bonnet=50");
   if (has("boot")) e.open.push_back("boot=60");
-  if (!e.open.empty()) all.push_back({"--open " + e.open.front() + (e.open.size() > 1 ? " --open " + e.open[1] : ""), e});
+  if (!e.open.empty())
+    all.push_back({"--open " + e.open.front() + (e.open.size() > 1 ? " --open " + e.open[1] : ""), e});
   e = {};
   if (has("_wheel")) e.steer = 30, e.spin = 40, all.push_back({"--steer 30 --spin 40", e});
   e = {};
@@ -50,7 +51,8 @@ int main(int argc, char** argv) {
       "Without an edit: a sheet of what can be done with Sweet Home 3D's SUV."};
   insertion::add_options(app, o);
   app.add_option("--relight", relight, "another panorama, for the sheet")->capture_default_str();
-  app.add_option("--turntable", turntable, "pictures all round, of the vehicle as it then is")->check(CLI::Range(0, 720));
+  app.add_option("--turntable", turntable, "pictures all round, of the vehicle as it then is")
+      ->check(CLI::Range(0, 720));
   app.add_option("-o,--output", output, "folder for pictures, joints.json and edited.glb")->capture_default_str();
   return command(app, argc, argv, [&] {
     Progress whole("");
@@ -70,7 +72,8 @@ int main(int argc, char** argv) {
     if (o.edit.any()) items = {{"as it is", {}}, {"edited", o.edit}};
     else if (turntable == 0) items = gallery(joints, relight, o.materials);
     for (int k = 0; k < turntable; ++k)
-      items.push_back({std::to_string(360 * k / turntable) + " degrees", o.edit, {}, {}, 360.0f * float(k) / float(turntable)});
+      items.push_back(
+          {std::to_string(360 * k / turntable) + " degrees", o.edit, {}, {}, 360.0f * float(k) / float(turntable)});
     const PanoramaSampler sky = street.sky;
     const Image plate = street.plate;
     const looks::Vehicle look = street.look;
@@ -107,9 +110,10 @@ int main(int argc, char** argv) {
     const EditedVehicle v = editing::apply(street.mesh, street.kinds, o.edit);
     const Raycaster scene(v.mesh);
     dressed::write(output + "/edited.glb", v.mesh, dressed::Dressed(scene, v.kinds, look), "edited vehicle");
-    std::printf("\nDone after %.1f s. %s/edits.png shows it; %s/joints.json may be edited and given back by --joints; "
-                "%s/edited.glb opens in any glTF viewer.\n",
-                whole.seconds(), output.c_str(), output.c_str(), output.c_str());
+    std::printf(
+        "\nDone after %.1f s. %s/edits.png shows it; %s/joints.json may be edited and given back by --joints; "
+        "%s/edited.glb opens in any glTF viewer.\n",
+        whole.seconds(), output.c_str(), output.c_str(), output.c_str());
     return 0;
   });
 }

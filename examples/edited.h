@@ -17,9 +17,11 @@ struct Options {
 inline void add_options(CLI::App& app, Options& o) {
   app.add_option("--open", o.open, "joint=degrees, as often as needed: front_left_door, bonnet, boot, ...; doors: all")
       ->take_all();
-  app.add_option("--joints", o.joints, "what opens and where, as 13_edit writes it; if not given, found from the shape");
+  app.add_option("--joints", o.joints,
+                 "what opens and where, as 13_edit writes it; if not given, found from the shape");
   app.add_option("--spin", o.spin, "degrees that the wheels have rolled");
-  app.add_option("--steer", o.steer, "degrees that the front wheels are turned to the left")->check(CLI::Range(-60, 60));
+  app.add_option("--steer", o.steer, "degrees that the front wheels are turned to the left")
+      ->check(CLI::Range(-60, 60));
   app.add_option("--hide", o.hide,
                  "as often as needed: a kind (body, window, wheel, light, other), a part, a material or a joint")
       ->take_all();

@@ -36,7 +36,8 @@ inline void add_options(CLI::App& app, Options& o) {
   app.option_defaults()->take_last();
   app.add_option("--twin", o.twin, "the folder that 09_twin wrote");
   app.add_option("--vehicle", o.vehicle, "a vehicle's file instead of the twin's");
-  app.add_option("--materials", o.materials, "another twin's folder: its paint, glass and rubber on this vehicle's parts");
+  app.add_option("--materials", o.materials,
+                 "another twin's folder: its paint, glass and rubber on this vehicle's parts");
   app.add_option("--plate", o.plate, "the street picture; if not given, what the panorama shows");
   app.add_option("--environment", o.environment, "lat-long panorama, EXR or HDR")->capture_default_str();
   app.add_option("--yaw", o.yaw, "degrees the panorama is turned about +y")->capture_default_str();
@@ -141,8 +142,7 @@ inline Street read(Options& o) {
   if (!o.materials.empty()) read_materials(o.materials, s.look);
   s.mesh = read_vehicle(path);
   s.kinds = assign_parts(Raycaster(s.mesh), assigning).kinds();
-  if (!o.label.empty())
-    s.place = kitti_placement(read_kitti_label(o.label, o.line).box, bounds(s.mesh).size(), kitti);
+  if (!o.label.empty()) s.place = kitti_placement(read_kitti_label(o.label, o.line).box, bounds(s.mesh).size(), kitti);
   s.sky = PanoramaSampler(panorama, o.yaw * degree);
   const bool shown = s.plate.width == 0;
   if (shown) {  // what the panorama itself shows
@@ -207,8 +207,8 @@ inline void write(const std::string& folder, const Shot& shot) {
   write_text(folder + "/label_coco.json", coco_file("composite.png", shot.visible, shot.seen).dump() + "\n");
   write_png(folder + "/composite.png", shot.composite);
   const std::pair<const char*, const Image*> pictures[] = {
-      {"composite", &shot.composite},     {"object", &shot.layers.object},   {"kept", &shot.layers.kept},
-      {"shadow", &shot.layers.shadow},    {"through", &shot.layers.through}, {"added", &shot.layers.added}};
+      {"composite", &shot.composite},  {"object", &shot.layers.object},   {"kept", &shot.layers.kept},
+      {"shadow", &shot.layers.shadow}, {"through", &shot.layers.through}, {"added", &shot.layers.added}};
   parallel_for(int(std::size(pictures)) + 2, [&](int k) {
     if (k == 0) write_exr(folder + "/gbuffer.exr", shot.g);
     else if (k == 1) write_png(folder + "/mask.png", shot.visible);

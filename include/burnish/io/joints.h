@@ -2,7 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // {"joints": [{"name", "kind": "wheel" | "panel", "pivot": [x, y, z], "axis": [x, y, z], "low", "high": degrees,
-// "inward": [x, y, z], "thickness", "well": metres, "steered": bool, "sure": bool, "region": [[nx, ny, nz, offset], ...]}]}.
+// "inward": [x, y, z], "thickness", "well": metres, "steered": bool, "sure": bool,
+// "region": [[nx, ny, nz, offset], ...]}]}.
 // Frame of scene/vehicle.h, metres. What moves lies in all half-spaces n . p <= offset of the region.
 #pragma once
 #include <nlohmann/json.hpp>

@@ -32,7 +32,8 @@ inline KittiLabel read_kitti_label(const std::string& path, int line = 0) {
     float x = 0, y = 0, z = 0;
     if (!(in >> l.type >> l.truncated >> l.occluded >> l.alpha >> l.left >> l.top >> l.right >> l.bottom >>
           l.box.height >> l.box.width >> l.box.length >> x >> y >> z >> l.box.rotation_y))
-      throw Error(path + ", line " + std::to_string(k) + ": expected 15 fields: type, truncated, occluded, alpha, box, " +
+      throw Error(path + ", line " + std::to_string(k) +
+                  ": expected 15 fields: type, truncated, occluded, alpha, box, " +
                   "height, width, length, x, y, z, rotation_y");
     if (!(l.box.height > 0 && l.box.width > 0 && l.box.length > 0 && z > 0))
       throw Error(path + ", line " + std::to_string(k) + ": no box before the camera (sizes " +

@@ -63,8 +63,9 @@ template <class Takes> CutMesh cut(const Mesh& mesh, const ConvexRegion& region,
     const auto& v = mesh.triangles[t];
     const int part = mesh.part[t];
     std::vector<int> polygon(v.begin(), v.end());
-    const vec3<float> middle = (mesh.positions[std::size_t(v[0])] + mesh.positions[std::size_t(v[1])] +
-                                mesh.positions[std::size_t(v[2])]) / 3.0f;
+    const vec3<float> middle =
+        (mesh.positions[std::size_t(v[0])] + mesh.positions[std::size_t(v[1])] + mesh.positions[std::size_t(v[2])]) /
+        3.0f;
     if (!takes(part, middle)) {
       keep(polygon, part, false);
       continue;

@@ -63,7 +63,7 @@ inline void non_local_means(const std::vector<const float*>& colors, const std::
         std::fill(to_d + x0, to_d + x1, 0.0f);
         for (std::size_t c = 0; c < colors.size(); ++c) {
           const float *const a = colors[c] + p, *const b = colors[c] + q, *const s = variances[c] + p,
-                      *const t = variances[c] + q;
+                             *const t = variances[c] + q;
           for (int x = x0; x < x1; ++x) {
             const float apart = (a[x] - b[x]) * (a[x] - b[x]) - s[x] - std::min(s[x], t[x]);
             to_d[x] += apart / (1e-8f + 0.25f * (s[x] + t[x]));

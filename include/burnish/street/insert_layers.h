@@ -79,8 +79,9 @@ inline bool passes_box(const Camera& c, int x, int y, const Box& near) {
 }  // namespace detail
 
 /// scene_depth: metres along the camera's axis to what the photo shows, of the camera's size, or of no size; what
-/// lies behind it is hidden. grounded: whether the shadow is seen (it always falls on the ground). A few paths are traced
-/// in every fourth pixel; where these, up to 6 pixels away, find nothing of the vehicle and its shadow, there is none.
+/// lies behind it is hidden. grounded: whether the shadow is seen (it always falls on the ground). A few paths are
+/// traced in every fourth pixel; where these, up to 6 pixels away, find nothing of the vehicle and its shadow, there is
+/// none.
 template <class Material, class Progress>
 InsertLayers render_layers(const PathTracer<Material>& tracer, const Camera& camera, const Mask& scene_depth,
                            bool grounded, Progress progress) {
@@ -139,9 +140,7 @@ InsertLayers render_layers(const PathTracer<Material>& tracer, const Camera& cam
       const Squares& q = squares[i];
       const float n = 1 / float(std::max(taken[i] - 1, 1));
       out.object_variance.set(x, y, max(q.object * k - sum.object * sum.object * (k * k), none) * n);
-      const auto share = [](float seen, float of) { return of > 0 ? seen / of : 1; };
-      const vec3<float> seen(share(sum.ground.seen.x, sum.ground.all.x), share(sum.ground.seen.y, sum.ground.all.y),
-                             share(sum.ground.seen.z, sum.ground.all.z));
+      const vec3<float> seen = sum.ground.shadow();
       out.shadow.set(x, y, seen + sum.ground.thrown * k);
       // Of a ratio of sums (Cochran 1977, 2.46), and of the mean of what is thrown back.
       const vec3<float> off = q.seen - 2.0f * seen * q.both + seen * seen * q.all;

@@ -7,11 +7,10 @@
 #pragma once
 #include <cstdint>
 #include <limits>
-#include <burnish/ad/parallel.h>
 #include <burnish/light/panorama_sampler.h>
-#include <burnish/math/sequence.h>
 #include <burnish/scene/raycast.h>
 #include <burnish/shade/sample.h>
+#include <burnish/street/ground_shade.h>
 
 namespace burnish {
 
@@ -26,13 +25,6 @@ struct PathOptions {
   float brightest = 10;       ///< of what a bounce brings, in means of the panorama: no fireflies, a little light lost
   bool by_brightness = true;  ///< false: light is drawn evenly from the sphere (to compare with)
   std::uint32_t seed = 1;
-};
-/// What light the ground gets, by what it gets without the vehicle. One draw's numbers mean little: of the sums of
-/// many, seen / all is the shadow, without noise where all is seen or nothing is (a ratio estimator: consistent, its
-/// bias falls as one by the number of draws).
-struct GroundLight {
-  vec3<float> seen, all;  ///< past the vehicle; all of it: 1 in the mean
-  vec3<float> thrown;     ///< by the vehicle, back on the ground
 };
 /// One path through a pixel, as InsertLayers' pictures (insert_layers.h) are made of; and sums of such.
 struct PlateSample {
@@ -71,7 +63,8 @@ public:
         open_(sky.irradiance({0, 1, 0})) {
     const vec3<float> down = sky.irradiance({0, -1, 0}), mean = (open_ + down) * (0.5f * inverse_pi);
     limit_ = options.brightest * std::max({mean.x, mean.y, mean.z, 1e-6f});
-    shade_ground();
+    const auto draw = [&](const vec3<float>& at, PathNumbers& random) { return shadow_at(at, random, 0); };
+    shade_ = GroundShade(bounds(scene.mesh()), ground.height, std::max(32, options.samples), draw, ~options.seed);
   }
 
   const Raycaster& scene() const { return scene_; }
@@ -122,10 +115,7 @@ private:
   PathOptions options_;
   vec3<float> open_;  // irradiance of the ground without the vehicle
   float limit_;
-  std::vector<vec3<float>> shade_;  // see shade_ground
-  vec2<float> shade_from_;
-  float shade_step_ = 1;
-  int shade_width_ = 0, shade_height_ = 0;
+  GroundShade shade_;
 
   float to_ground(const Ray& r) const {
     const float t = (ground_.height - r.origin.y) / r.direction.y;
@@ -170,45 +160,7 @@ private:
     const float far = to_ground(ray);
     const vec3<float> left = passes(ray, far);
     if (left.x + left.y + left.z <= 0 || !std::isfinite(far)) return radiance * left;
-    return radiance * left * shaded(from + d * far);
-  }
-
-  /// The shadow on a grid about the vehicle, for the ground as the vehicle mirrors it.
-  void shade_ground() {
-    const std::uint32_t draws = std::uint32_t(std::max(32, options_.samples));
-    const Box box = bounds(scene_.mesh());
-    const float reach = 1.5f * (box.high.y - ground_.height);
-    if (!(reach > 0)) return;
-    shade_from_ = {box.low.x - reach, box.low.z - reach};
-    const vec2<float> size(box.high.x + reach - shade_from_.x, box.high.z + reach - shade_from_.y);
-    shade_step_ = std::max(size.x, size.y) / 99;
-    shade_width_ = int(size.x / shade_step_) + 2, shade_height_ = int(size.y / shade_step_) + 2;
-    shade_.resize(std::size_t(shade_width_) * std::size_t(shade_height_));
-    parallel_for(shade_height_, [&](int j) {
-      for (int i = 0; i < shade_width_; ++i) {
-        const std::size_t at = std::size_t(j) * std::size_t(shade_width_) + std::size_t(i);
-        const vec3<float> place(shade_from_.x + float(i) * shade_step_, ground_.height,
-                                shade_from_.y + float(j) * shade_step_);
-        GroundLight sum;
-        for (std::uint32_t k = 0; k < draws; ++k) {
-          PathNumbers random(std::uint32_t(at), k, ~options_.seed);
-          const GroundLight g = shadow_at(place, random, 0);
-          sum.seen += g.seen, sum.all += g.all;
-        }
-        const auto share = [](float seen, float of) { return of > 0 ? seen / of : 1; };
-        shade_[at] = {share(sum.seen.x, sum.all.x), share(sum.seen.y, sum.all.y), share(sum.seen.z, sum.all.z)};
-      }
-    });
-  }
-  /// That grid's shadow at a place of the ground.
-  vec3<float> shaded(const vec3<float>& place) const {
-    const float x = (place.x - shade_from_.x) / shade_step_, y = (place.z - shade_from_.y) / shade_step_;
-    if (shade_.empty() || !(x >= 0 && y >= 0 && x < float(shade_width_ - 1) && y < float(shade_height_ - 1)))
-      return vec3<float>(1.0f);
-    const int i = int(x), j = int(y);
-    const vec3<float>* const at = &shade_[std::size_t(j) * std::size_t(shade_width_) + std::size_t(i)];
-    const float u = x - float(i), v = y - float(j);
-    return mix(mix(at[0], at[1], u), mix(at[shade_width_], at[shade_width_ + 1], u), v);
+    return radiance * left * shade_(from + d * far);
   }
 
   /// One draw by the light and one by the cosine; with what the vehicle throws back if bounces > 0.

@@ -17,7 +17,7 @@ struct Edit {
 /// What came of it: cut panels have parts of their own, with the kinds they had, and seams and linings new ones.
 struct EditedVehicle {
   Mesh mesh;
-  std::vector<PartKind> kinds;      ///< of each part
+  std::vector<PartKind> kinds;       ///< of each part
   std::vector<std::string> missing;  ///< what was asked for and is not there
 };
 
@@ -51,9 +51,8 @@ inline int part_like(EditedVehicle& v, const Part& p, PartKind kind) {
 
 /// Cuts a panel out, gives it and the opening an edge and a lining, and turns it.
 inline void open_panel(EditedVehicle& v, const Joint& j, float angle) {
-  CutMesh c = cut(v.mesh, j.region, [&](int part, const vec3<float>&) {
-    return !is_wheel(v.kinds[std::size_t(part)]);
-  });
+  CutMesh c =
+      cut(v.mesh, j.region, [&](int part, const vec3<float>&) { return !is_wheel(v.kinds[std::size_t(part)]); });
   v.mesh = std::move(c.mesh);
   Part dark;
   dark.name = j.name + "_lining", dark.material = "lining", dark.base_color = vec3<float>(0.02f);
@@ -119,9 +118,8 @@ inline EditedVehicle edited(const Mesh& mesh, const std::vector<PartKind>& kinds
     if (angle == 0 && steer == 0) continue;
     std::vector<char> moves;
     for (const auto& t : v.mesh.triangles)
-      moves.push_back(std::all_of(t.begin(), t.end(), [&](int i) {
-        return contains(j.region, v.mesh.positions[std::size_t(i)]);
-      }));
+      moves.push_back(
+          std::all_of(t.begin(), t.end(), [&](int i) { return contains(j.region, v.mesh.positions[std::size_t(i)]); }));
     detail::move_triangles(v.mesh, moves, [&](const vec3<float>& p, bool place) {
       const vec3<float> pivot = place ? j.pivot : vec3<float>();
       return detail::turned_about(detail::turned_about(p, pivot, j.axis, angle * degree), pivot, {0, 1, 0},
@@ -143,7 +141,8 @@ inline EditedVehicle edited(const Mesh& mesh, const std::vector<PartKind>& kinds
       for (std::size_t t = 0; t < gone.size(); ++t) {
         const auto& c = v.mesh.triangles[t];
         gone[t] = contains(j.region, (v.mesh.positions[std::size_t(c[0])] + v.mesh.positions[std::size_t(c[1])] +
-                                      v.mesh.positions[std::size_t(c[2])]) / 3.0f);
+                                      v.mesh.positions[std::size_t(c[2])]) /
+                                         3.0f);
         any = any || gone[t];
       }
     }

@@ -16,15 +16,15 @@ namespace burnish {
 struct Joint {
   enum Kind { wheel, panel };
   Kind kind = panel;
-  std::string name;         // front_left_wheel, front_left_door, bonnet, boot, ...
-  vec3<float> pivot, axis;  // a place on the line; unit: positive angles open, or roll ahead
-  float low = 0, high = 70; // degrees that it may turn
-  ConvexRegion region;      // of what moves
-  vec3<float> inward;       // unit, of a panel: to the vehicle's inside
-  float thickness = 0.05f;  // metres, of a panel
-  float well = 0;           // metres: how deep a dark well closes the opening; 0: the inside is seen
-  bool steered = false;     // of a wheel
-  bool sure = true;         // false: where a panel ends was assumed, not found
+  std::string name;          // front_left_wheel, front_left_door, bonnet, boot, ...
+  vec3<float> pivot, axis;   // a place on the line; unit: positive angles open, or roll ahead
+  float low = 0, high = 70;  // degrees that it may turn
+  ConvexRegion region;       // of what moves
+  vec3<float> inward;        // unit, of a panel: to the vehicle's inside
+  float thickness = 0.05f;   // metres, of a panel
+  float well = 0;            // metres: how deep a dark well closes the opening; 0: the inside is seen
+  bool steered = false;      // of a wheel
+  bool sure = true;          // false: where a panel ends was assumed, not found
 };
 
 namespace detail {
@@ -51,8 +51,9 @@ inline ConvexRegion hull_prism(std::vector<vec2<float>> p, int along) {
     const float l = std::hypot(b.x - a.x, b.y - a.y);
     if (!(l > 1e-5f)) continue;
     const vec2<float> n((b.y - a.y) / l, -(b.x - a.x) / l);
-    const vec3<float> normal = along == 0 ? vec3<float>(0, n.x, n.y) : along == 1 ? vec3<float>(n.x, 0, n.y)
-                                                                                   : vec3<float>(n.x, n.y, 0);
+    const vec3<float> normal = along == 0   ? vec3<float>(0, n.x, n.y)
+                               : along == 1 ? vec3<float>(n.x, 0, n.y)
+                                            : vec3<float>(n.x, n.y, 0);
     r.push_back({normal, n.x * a.x + n.y * a.y});
   }
   return r;
@@ -69,8 +70,8 @@ template <class Facing> Panes panes_of(const Mesh& m, const std::vector<PartKind
     const vec3<float> c = m.cross_of(int(t));
     const float l = length(c);
     const auto& v = m.triangles[t];
-    const vec3<float> middle = (m.positions[std::size_t(v[0])] + m.positions[std::size_t(v[1])] +
-                                m.positions[std::size_t(v[2])]) / 3.0f;
+    const vec3<float> middle =
+        (m.positions[std::size_t(v[0])] + m.positions[std::size_t(v[1])] + m.positions[std::size_t(v[2])]) / 3.0f;
     if (!(l > 1e-9f) || !facing(c / l, middle)) continue;
     for (int k : v) out.points.push_back(m.positions[std::size_t(k)]), out.box.add(m.positions[std::size_t(k)]);
   }
@@ -172,8 +173,7 @@ inline std::vector<Joint> find_joints(const Mesh& m, const std::vector<PartKind>
       vec2<float> at_low, at_top;
       for (const vec3<float>& p : panes.points) {
         if (p.x < from || p.x > to) continue;
-        for (const float dx : {-0.03f, 0.03f})
-          outline.push_back({std::clamp(p.x + dx, from, to), p.y + 0.035f});
+        for (const float dx : {-0.03f, 0.03f}) outline.push_back({std::clamp(p.x + dx, from, to), p.y + 0.035f});
         if (p.y < low_y) low_y = p.y, at_low = {p.z * side, p.y};
         if (p.y > top_y) top_y = p.y, at_top = {p.z * side, p.y};
         inner = std::min(inner, p.z * side);

@@ -105,14 +105,17 @@ public:
   }
 
   /// Standard deviations of a pose that was found. A mesh that is not quite the photo's is off along whole stretches of
-  /// its outline, not pixel by pixel; so the misfit of each of 16 sectors about the mask's middle is one observation, and
-  /// what these pull the pose apart is how uncertain it is (Liang and Zeger 1986: covariance of clustered data).
+  /// its outline, not pixel by pixel; so the misfit of each of 16 sectors about the mask's middle is one observation,
+  /// and what these pull the pose apart is how uncertain it is (Liang and Zeger 1986: covariance of clustered data).
   Pose<float> deviation(const Silhouette& seen, const P& p) const {
     constexpr int sectors = 16;
     const int w = target.window.width, h = target.window.height;
     double mx = 0, my = 0, area = 1e-9;
     for (int y = 0; y < h; ++y)
-      for (int x = 0; x < w; ++x) mx += x * double(target.mask.at(x, y)), my += y * double(target.mask.at(x, y)), area += double(target.mask.at(x, y));
+      for (int x = 0; x < w; ++x) {
+        const double m = double(target.mask.at(x, y));
+        mx += x * m, my += y * m, area += m;
+      }
     const auto sector = [&](double x, double y) {
       const double turn = std::atan2(y - my / area, x - mx / area) / 6.283185307179586 + 1;
       return int(turn * sectors) % sectors;
