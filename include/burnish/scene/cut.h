@@ -3,6 +3,7 @@
 #pragma once
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <map>
 #include <utility>
 #include <vector>
@@ -70,10 +71,9 @@ template <class Takes> CutMesh cut(const Mesh& mesh, const ConvexRegion& region,
       keep(polygon, part, false);
       continue;
     }
-    std::vector<std::pair<int, int>> fresh;
     std::vector<std::pair<std::vector<int>, bool>> cut_off;
     for (std::size_t f = 0; f < region.size() && polygon.size() >= 3; ++f) {
-      std::vector<int> in, beyond, on;
+      std::vector<int> in, beyond;
       for (std::size_t k = 0; k < polygon.size(); ++k) {
         const int a = polygon[k], b = polygon[(k + 1) % polygon.size()];
         const bool a_in = region[f].outside(m.positions[std::size_t(a)]) <= 0,
@@ -81,10 +81,9 @@ template <class Takes> CutMesh cut(const Mesh& mesh, const ConvexRegion& region,
         (a_in ? in : beyond).push_back(a);
         if (a_in == b_in) continue;
         const int c = crossing(a, b, int(f));
-        in.push_back(c), beyond.push_back(c), on.push_back(c);
+        in.push_back(c), beyond.push_back(c);
       }
       if (beyond.size() >= 3) cut_off.push_back({beyond, false});
-      if (on.size() == 2) fresh.push_back({on[0], on[1]});
       polygon = in;
     }
     if (polygon.size() < 3) {  // it lies beyond after all: as it was
@@ -93,11 +92,14 @@ template <class Takes> CutMesh cut(const Mesh& mesh, const ConvexRegion& region,
     }
     for (const auto& [p, in] : cut_off) keep(p, part, in);
     keep(polygon, part, true);
-    // Of the fresh edges those that the later faces left.
-    for (const auto& e : fresh) {
-      const bool first = std::find(polygon.begin(), polygon.end(), e.first) != polygon.end();
-      const bool second = std::find(polygon.begin(), polygon.end(), e.second) != polygon.end();
-      if (first && second) out.seam.push_back(e), out.seam_part.push_back(part);
+    for (std::size_t k = 0; k < polygon.size(); ++k) {
+      const int a = polygon[k], b = polygon[(k + 1) % polygon.size()];
+      for (const HalfSpace& h : region)
+        if (std::abs(h.outside(m.positions[std::size_t(a)])) < 2e-6f &&
+            std::abs(h.outside(m.positions[std::size_t(b)])) < 2e-6f) {
+          out.seam.push_back({a, b}), out.seam_part.push_back(part);
+          break;
+        }
     }
   }
   return out;

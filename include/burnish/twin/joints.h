@@ -212,7 +212,7 @@ inline std::vector<Joint> find_joints(const Mesh& m, const std::vector<PartKind>
   else {
     vec3<float> foot(-1e9f, 0, 0);
     for (const vec3<float>& p : screen.points)
-      if (p.x > foot.x && std::abs(p.z) < 0.5f * half) foot = p;
+      if (p.x > foot.x) foot = p;
     const float to = box.high.x - 0.10f * (box.high.x - foot.x) - 0.06f;
     if (foot.x < -1e8f || to - foot.x < 0.35f) note("no room for a bonnet before the windscreen");
     else {
