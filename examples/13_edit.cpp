@@ -57,6 +57,8 @@ int main(int argc, char** argv) {
   return command(app, argc, argv, [&] {
     Progress whole("");
     insertion::Street street = insertion::read(o);
+    const EditedVehicle last = editing::apply(street.mesh, street.kinds, o.edit);
+    if (last.mesh.triangles.empty()) throw Error("nothing is left of the vehicle");
     check_writable(output);
     catch_interrupt();
     std::vector<std::string> notes;
@@ -107,9 +109,8 @@ int main(int argc, char** argv) {
     }
     bar.finish(std::to_string(panels.size()) + " pictures");
     write_png(output + "/edits.png", sheet(panels, 2 + (panels.size() > 4)));
-    const EditedVehicle v = editing::apply(street.mesh, street.kinds, o.edit);
-    const Raycaster scene(v.mesh);
-    dressed::write(output + "/edited.glb", v.mesh, dressed::Dressed(scene, v.kinds, look), "edited vehicle");
+    const Raycaster scene(last.mesh);
+    dressed::write(output + "/edited.glb", last.mesh, dressed::Dressed(scene, last.kinds, look), "edited vehicle");
     std::printf(
         "\nDone after %.1f s. %s/edits.png shows it; %s/joints.json may be edited and given back by --joints; "
         "%s/edited.glb opens in any glTF viewer.\n",

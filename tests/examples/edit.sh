@@ -12,7 +12,7 @@ rm -rf "$2" && mkdir -p "$2" && cd "$2" || exit 2
 source "$here/box_car.sh"
 given=(--vehicle car.obj --environment sky.ppm --relight sky.ppm --size 96 --samples 2 --at 0,8 --heading 0 --pitch 0)
 
-"$program" --help | grep -q "13_edit --twin" || fail "--help has no example"
+"$program" --help | grep "13_edit --twin" >/dev/null || fail "--help has no example"
 log=$("$program" "${given[@]}" --output sheet 2>&1) || fail "a run: $log"
 for file in edits.png joints.json edited.glb; do [ -s sheet/$file ] || fail "no $file"; done
 grep -q "no wheels" <<<"$log" || fail "does not say that square wheels are none: $log"

@@ -12,7 +12,7 @@ rm -rf "$2" && mkdir -p "$2" && cd "$2" || exit 2
 source "$here/box_car.sh"
 given=(--vehicle car.obj --environment sky.ppm --size 160 --samples 4 --at 0,8 --heading 0 --pitch 0)
 
-"$program" --help | grep -q "12_insert --twin" || fail "--help has no example"
+"$program" --help | grep "12_insert --twin" >/dev/null || fail "--help has no example"
 log=$("$program" "${given[@]}" --output street 2>&1) || fail "a run: $log"
 for file in composite.png {composite,object,kept,shadow,through,added,gbuffer}.exr mask.png label_kitti.txt label_coco.json; do
   [ -s street/$file ] || fail "no $file"

@@ -12,7 +12,7 @@ rm -rf "$2" && mkdir -p "$2" && cd "$2" || exit 2
 source "$here/box_car.sh"
 given=(--vehicle car.obj --environment sky.ppm --size 96 --samples 2 --at 0,9 --heading 60 --pitch 0 --frames 3)
 
-"$program" --help | grep -q "14_sequence --twin" || fail "--help has no example"
+"$program" --help | grep "14_sequence --twin" >/dev/null || fail "--help has no example"
 log=$("$program" "${given[@]}" --output whole 2>&1) || fail "a run: $log"
 for file in sequence.json coco.json sheet.png {frames,masks}/000002.png gbuffers/000002.exr labels/000000.txt; do
   [ -s whole/$file ] || fail "no $file"
@@ -38,6 +38,7 @@ cmp whole/frames/000001.png jobs/frames/000001.png || fail "a frame comes out ot
 refuses "expected drive, rotate, occluded or doors" --trajectory fly
 refuses "the sequence has frames 0 to 2" --frame 3
 refuses "no frame of this sequence is there" --collect
-"$program" "${given[@]}" --heading 10 --output whole 2>&1 | grep -q "another sequence's recipe" || fail "another recipe is taken"
+log=$("$program" "${given[@]}" --heading 10 --output whole 2>&1)
+grep -q "another sequence's recipe" <<<"$log" || fail "another recipe is taken"
 [ $failed = 0 ] && echo "all is well"
 exit $failed
