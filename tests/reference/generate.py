@@ -24,7 +24,7 @@ import time
 
 VERSIONS = {"mitsuba": "3.9.1", "drjit": "1.5.0"}
 # Each module has arrays(): a dict {name: (array, tolerance)} whose arrays become data/<name>.npy. See README.md.
-MODULES = ["bsdf", "emitter_texture", "images", "vgg"]
+MODULES = ["bsdf", "emitter_texture", "images", "insertion", "vgg"]
 WITHOUT_MITSUBA = ["vgg"]
 HERE = pathlib.Path(__file__).resolve().parent
 
