@@ -115,7 +115,7 @@ inline Image contact_sheet(const std::vector<Candidate>& all, const Image& photo
   for (const Candidate& c : all) {
     char text[80];
     const PoseCandidate& p = c.poses.front();
-    std::snprintf(text, sizeof text, "score %.3f, IoU %.3f, cosine %.3f", c.score(), p.iou, c.cosine);
+    std::snprintf(text, sizeof text, "score %.1f, IoU %.2f, cosine %.2f", c.score(), p.iou, c.cosine);
     cards.push_back(
         {preview(*c.scene, framed(bounds(c.scene->mesh()), p.pose.azimuth, p.pose.elevation, width, height).camera()),
          c.name, text});

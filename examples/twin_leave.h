@@ -65,7 +65,7 @@ public:
       const auto color = [&](int i) {
         return kind_colors[std::size_t(parts.parts[std::size_t(g.part[std::size_t(i)])].kind)];
       };
-      panels.push_back({azimuth < 1 ? "the model: body red, windows blue, tyres black, lights yellow" : "from behind",
+      panels.push_back({azimuth < 1 ? "body red, windows blue, wheels purple, lights yellow" : "from behind",
                         drawn(g, color, {1, 1, 1})});
     }
     const Image kinds = sheet(panels, 2);

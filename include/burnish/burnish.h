@@ -43,6 +43,7 @@
 #include <burnish/nodes/tint.h>
 #include <burnish/nodes/window_glass.h>
 #include <burnish/scene/camera.h>
+#include <burnish/scene/cut.h>
 #include <burnish/scene/error.h>
 #include <burnish/scene/gbuffer.h>
 #include <burnish/scene/image.h>
