@@ -34,6 +34,17 @@ TEST_CASE("kitti_placement: a label of a placement gives the placement back", "[
     CHECK(back.scale == Approx(1).margin(0.002));
   }
 }
+TEST_CASE("read_kitti_projection: numbers alone, and those of KITTI-360", "[io][value]") {
+  const files::Folder folder;
+  const char* rest = "700 0 600 45 0 701 170 0.2 0 0 1 0.003";
+  for (const std::string& text : {std::string(rest), rest + std::string(" 0 0 0 1\n"),
+                                  std::string("R_rect_00: 1 0 0\nP_rect_00: ") + rest}) {
+    const auto p = read_kitti_projection(folder.write("c.txt", text));
+    CHECK(p[0] == 700);
+    CHECK(p[5] == 701);
+    CHECK(p[11] == Approx(0.003));
+  }
+}
 TEST_CASE("read_kitti_label: what is wrong is said with file and line", "[io][value]") {
   const files::Folder folder;
   const auto says = [&](const std::string& text, int line = 0) {

@@ -66,9 +66,14 @@ TEST_CASE("composite_backward: the slope of the composite by the object's light"
 TEST_CASE("plate_look: exposure by the ground, noise and blur as they were made", "[street][agreement]") {
   const Camera camera = street_camera(150, 100, 100, 200, 200, 1.5f, 0.6f);  // the ground all over
   const Mask all(200, 200, 1);
-  const PlateLook exposed = plate_look(Image(200, 200, {0.25f, 0.25f, 0.1f}), all, camera, grey());
-  CHECK(exposed.exposure.x == Approx(0.5));
-  CHECK(exposed.exposure.y == Approx(1));
+  const PlateLook exposed = plate_look(Image(200, 200, {0.2f, 0.11f, 0.08f}), all, camera, grey());
+  CHECK(exposed.exposure.x == Approx(0.4));
+  CHECK(exposed.exposure.y == Approx(0.44));
+  // Red ground where the panorama's is not: brighter by what it is, redder by a quarter at most.
+  const PlateLook red = plate_look(Image(200, 200, {0.5f, 0.1f, 0.08f}), all, camera, grey());
+  const float brightness = 0.2126f * 1 + 0.7152f * 0.4f + 0.0722f * 0.4f;
+  CHECK(red.exposure.x == Approx(1.25f * brightness));
+  CHECK(red.exposure.y == Approx(0.8f * brightness));
   CHECK(exposed.noise < 1e-4f);
   for (const float noise : {0.005f, 0.015f})
     CHECK(plate_look(noisy(noise), all, camera, grey()).noise == Approx(noise).epsilon(0.25));

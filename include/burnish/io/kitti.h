@@ -45,7 +45,8 @@ inline KittiLabel read_kitti_label(const std::string& path, int line = 0) {
   throw Error(path + ": no " + (line > 0 ? "line " + std::to_string(line) : std::string("labelled object")));
 }
 
-/// A calibration file's P2 (the left colour camera), or P_rect_02 of the raw data's: 3 x 4, row by row.
+/// A calibration file's P2 (the left colour camera), P_rect_02 of the raw data's, P_rect_00 of KITTI-360's, or 12 or 16
+/// numbers alone: 3 x 4 of it, row by row.
 inline std::array<float, 12> read_kitti_projection(const std::string& path) {
   std::istringstream text(read_text(path));
   std::string row;
@@ -53,14 +54,16 @@ inline std::array<float, 12> read_kitti_projection(const std::string& path) {
     std::istringstream in(row);
     std::string name;
     in >> name;
-    if (name != "P2:" && name != "P_rect_02:") continue;
+    const bool bare = !name.empty() && name.find_first_not_of("0123456789.eE+-") == name.npos;
+    if (bare) in.seekg(0);
+    else if (name != "P2:" && name != "P_rect_02:" && name != "P_rect_00:") continue;
     std::array<float, 12> p{};
     for (float& x : p)
-      if (!(in >> x)) throw Error(path + ": " + name + " has not 12 numbers");
-    if (!(p[0] > 0 && p[5] > 0)) throw Error(path + ": " + name + " has no focal length");
+      if (!(in >> x)) throw Error(path + ": " + (bare ? "its first line" : name) + " has not 12 numbers");
+    if (!(p[0] > 0 && p[5] > 0)) throw Error(path + ": " + (bare ? "its first line" : name) + " has no focal length");
     return p;
   }
-  throw Error(path + ": no line P2: or P_rect_02:");
+  throw Error(path + ": no line P2:, P_rect_02: or P_rect_00:, and no 12 numbers alone");
 }
 /// A camera of that projection above a level ground, and how the label's frame lies in it: P2 looks from beside the
 /// frame's origin, by its fourth column.

@@ -76,7 +76,7 @@ inline Image blurred(const Image& image, float deviation) {
 }  // namespace detail
 
 /// Measured on the plate: exposure and white balance by the ground that the camera and the panorama both see (medians
-/// of the ratio where rays go down; `on` says which pixels show ground), noise by the median absolute deviation of its
+/// of the ratio where rays go down, the balance within a quarter of grey; `on` says which pixels show ground), noise by the median absolute deviation of its
 /// finest differences (Immerkaer 1996) where it is flat, blur by its sharpest edges.
 inline PlateLook plate_look(const Image& plate, const Mask& on, const Camera& camera, const PanoramaSampler& sky) {
   PlateLook look;
@@ -89,8 +89,12 @@ inline PlateLook plate_look(const Image& plate, const Mask& on, const Camera& ca
       if (std::max({p.x, p.y, p.z}) > 0.95f || std::min({s.x, s.y, s.z}) < 1e-5f) continue;
       ratio[0].push_back(p.x / s.x), ratio[1].push_back(p.y / s.y), ratio[2].push_back(p.z / s.z);
     }
-  if (ratio[0].size() >= 50)
-    look.exposure = {detail::median_of(ratio[0]), detail::median_of(ratio[1]), detail::median_of(ratio[2])};
+  if (ratio[0].size() >= 50) {
+    const vec3<float> found(detail::median_of(ratio[0]), detail::median_of(ratio[1]), detail::median_of(ratio[2]));
+    // Both cameras were balanced about right: what differs more in hue is another ground, not another balance.
+    const float grey = std::max(luminance(found), 1e-6f);
+    look.exposure = min(max(found, vec3<float>(0.8f * grey)), vec3<float>(1.25f * grey));
+  }
 
   // The operator 1 -2 1 / -2 4 -2 / 1 -2 1 leaves noise of 6 standard deviations and of smooth pictures nothing.
   std::vector<float> rough, steep;
