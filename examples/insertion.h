@@ -94,6 +94,19 @@ inline void read_materials(const std::string& folder, looks::Vehicle& look) {
   look.window = read_model(folder + "/glass.json", look.window);
   look.rubber = read_model(folder + "/rubber.json", look.rubber);
 }
+/// The pixels that show ground within so many metres of a place; all, where these are few.
+inline Mask about(const Camera& camera, const Placement& place, float reach) {
+  Mask near(camera.width, camera.height);
+  int count = 0;
+  for (int y = 0; y < camera.height; ++y)
+    for (int x = 0; x < camera.width; ++x) {
+      vec3<float> foot;
+      if (!on_ground(camera, float(x) + 0.5f, float(y) + 0.5f, foot)) continue;
+      const bool in = std::hypot(foot.x - place.right, foot.z + place.ahead) < reach;
+      near.at(x, y) = in, count += in;
+    }
+  return count > 500 ? near : Mask(camera.width, camera.height, 1);
+}
 inline Street read(Options& o) {
   constexpr float degree = 0.0174532925f;
   if (o.threads > 0) set_threads(o.threads);
@@ -151,7 +164,7 @@ inline Street read(Options& o) {
       for (int x = 0; x < o.width; ++x)
         s.plate.set(x, y, s.sky.radiance(s.camera.ray(float(x) + 0.5f, float(y) + 0.5f).direction));
   } else {
-    s.found = plate_look(s.plate, Mask(o.width, o.height, 1), s.camera, s.sky);
+    s.found = plate_look(s.plate, about(s.camera, s.place, 4), s.camera, s.sky);
   }
   if (o.exposure > 0) s.found.exposure = vec3<float>(o.exposure);
   if (o.noise >= 0) s.found.noise = o.noise;

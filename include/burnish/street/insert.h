@@ -75,22 +75,30 @@ inline Image blurred(const Image& image, float deviation) {
 }
 }  // namespace detail
 
-/// Measured on the plate: exposure and white balance by the ground that the camera and the panorama both see (medians
-/// of the ratio where rays go down, the balance within a quarter of grey; `on` says which pixels show ground), noise by the median absolute deviation of its
-/// finest differences (Immerkaer 1996) where it is flat, blur by its sharpest edges.
+/// Measured on the plate: exposure and white balance by the ground, its medians in the plate where `on` says so and in
+/// the panorama all round from 3 to 37 degrees below the horizon (it need not be of the same place), the balance within
+/// a quarter of grey; noise by the median absolute deviation of its finest differences (Immerkaer 1996) where it is
+/// flat, blur by its sharpest edges.
 inline PlateLook plate_look(const Image& plate, const Mask& on, const Camera& camera, const PanoramaSampler& sky) {
   PlateLook look;
-  std::vector<float> ratio[3];
+  std::vector<float> seen[3], shone[3];
+  const auto add = [](std::vector<float>* to, const vec3<float>& c) {
+    to[0].push_back(c.x), to[1].push_back(c.y), to[2].push_back(c.z);
+  };
   for (int y = 0; y < plate.height; y += 2)
     for (int x = 0; x < plate.width; x += 2) {
-      const vec3<float> d = camera.ray(float(x) + 0.5f, float(y) + 0.5f).direction;
-      if (d.y > -0.02f || on.at(x, y) <= 0.5f) continue;
-      const vec3<float> p = plate.at(x, y), s = sky.radiance(d);
-      if (std::max({p.x, p.y, p.z}) > 0.95f || std::min({s.x, s.y, s.z}) < 1e-5f) continue;
-      ratio[0].push_back(p.x / s.x), ratio[1].push_back(p.y / s.y), ratio[2].push_back(p.z / s.z);
+      const vec3<float> p = plate.at(x, y);
+      const bool ground = camera.ray(float(x) + 0.5f, float(y) + 0.5f).direction.y < -0.02f;
+      if (ground && on.at(x, y) > 0.5f && std::max({p.x, p.y, p.z}) < 0.95f) add(seen, p);
     }
-  if (ratio[0].size() >= 50) {
-    const vec3<float> found(detail::median_of(ratio[0]), detail::median_of(ratio[1]), detail::median_of(ratio[2]));
+  for (float height = -0.6f; height < -0.05f; height += 0.02f)
+    for (int k = 0; k < 90; ++k) {
+      const float a = float(k) * pi / 45, r = std::sqrt(1 - height * height);
+      add(shone, sky.radiance({r * std::cos(a), height, r * std::sin(a)}));
+    }
+  const auto by = [&](int c) { return detail::median_of(seen[c]) / std::max(detail::median_of(shone[c]), 1e-5f); };
+  if (seen[0].size() >= 50 && detail::median_of(shone[1]) > 1e-5f) {
+    const vec3<float> found(by(0), by(1), by(2));
     // Both cameras were balanced about right: what differs more in hue is another ground, not another balance.
     const float grey = std::max(luminance(found), 1e-6f);
     look.exposure = min(max(found, vec3<float>(0.8f * grey)), vec3<float>(1.25f * grey));
