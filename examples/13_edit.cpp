@@ -32,8 +32,7 @@ std::vector<Item> gallery(const std::vector<Joint>& joints, const std::string& r
   e.hide = {"body"}, all.push_back({"--hide body", e});
   e = {};
   e.over = 180, all.push_back({"--over 180", e});
-  e = {};
-  e.turn = 120, all.push_back({"--turn 120", e});
+  all.push_back({"--heading 30", {}, {}, {}, 240});
   all.push_back({"--relight " + relight.substr(relight.rfind('/') + 1), {}, relight});
   if (!materials.empty()) all.push_back({"--materials " + materials, {}, {}, materials});
   return all;
@@ -71,30 +70,24 @@ int main(int argc, char** argv) {
                   j.sure ? "" : ", its rear edge assumed");
     for (const std::string& n : notes) std::printf("  %s\n", n.c_str());
     std::vector<Item> items;
-    if (o.edit.any()) items = {{"as it is", {}}, {"edited", o.edit}};
+    if (turntable == 0 && o.edit.any()) items = {{"as it is", {}}, {"edited", o.edit}};
     else if (turntable == 0) items = gallery(joints, relight, o.materials);
     for (int k = 0; k < turntable; ++k)
       items.push_back(
           {std::to_string(360 * k / turntable) + " degrees", o.edit, {}, {}, 360.0f * float(k) / float(turntable)});
-    const PanoramaSampler sky = street.sky;
-    const Image plate = street.plate;
     const looks::Vehicle look = street.look;
+    std::string lit;  // the panorama of the last picture, if it is another than the options'
     Progress bar("draw");
     std::vector<Panel> panels;
     for (std::size_t k = 0; k < items.size() && !interrupted; ++k) {
       const Item& item = items[k];
       insertion::Options with = o;
-      with.edit.open = item.edit.open, with.edit.hide = item.edit.hide;
-      with.edit.spin = item.edit.spin, with.edit.steer = item.edit.steer;
-      with.edit.turn = item.edit.turn, with.edit.over = item.edit.over;
-      street.sky = sky, street.plate = plate, street.look = look;
-      if (!item.environment.empty()) {
-        insertion::Options other = o;
-        other.environment = item.environment;
-        const insertion::Street lit = insertion::read(other);
-        street.sky = lit.sky;
-        if (o.plate.empty()) street.plate = lit.plate;
+      with.edit = item.edit, with.edit.joints = o.edit.joints;
+      if (item.environment != lit) {
+        with.environment = item.environment.empty() ? o.environment : item.environment;
+        insertion::light(street, with), lit = item.environment;
       }
+      street.look = look;
       if (!item.materials.empty()) insertion::read_materials(item.materials, street.look);
       Placement place = street.place;
       place.heading += item.heading * 0.0174532925f;

@@ -34,7 +34,7 @@ std::string recipe_text(const Recipe& r, const insertion::Options& o) {
   j["exposure"] = o.exposure, j["noise"] = o.noise, j["blur"] = o.blur, j["width"] = o.width, j["height"] = o.height;
   j["samples"] = o.preview ? 4 : o.samples, j["preview"] = o.preview, j["noisy"] = o.noisy;
   j["six_lights"] = o.six_lights, j["open"] = o.edit.open, j["hide"] = o.edit.hide, j["joints"] = o.edit.joints;
-  j["spin"] = o.edit.spin, j["steer"] = o.edit.steer, j["turn"] = o.edit.turn, j["over"] = o.edit.over;
+  j["spin"] = o.edit.spin, j["steer"] = o.edit.steer, j["over"] = o.edit.over;
   return j.dump(1) + "\n";
 }
 /// One frame; its label is written last, so that a frame with a label is whole.

@@ -11,8 +11,8 @@ using namespace burnish;
 struct Options {
   std::vector<std::string> open, hide;
   std::string joints;
-  float spin = 0, steer = 0, turn = 0, over = 0;
-  bool any() const { return !open.empty() || !hide.empty() || spin != 0 || steer != 0 || turn != 0 || over != 0; }
+  float spin = 0, steer = 0, over = 0;
+  bool any() const { return !open.empty() || !hide.empty() || spin != 0 || steer != 0 || over != 0; }
 };
 inline void add_options(CLI::App& app, Options& o) {
   app.add_option("--open", o.open, "joint=degrees, as often as needed: front_left_door, bonnet, boot, ...; doors: all")
@@ -25,7 +25,6 @@ inline void add_options(CLI::App& app, Options& o) {
   app.add_option("--hide", o.hide,
                  "as often as needed: a kind (body, window, wheel, light, other), a part, a material or a joint")
       ->take_all();
-  app.add_option("--turn", o.turn, "degrees that the whole vehicle is turned to the left");
   app.add_option("--over", o.over, "degrees that it is turned over to its right: 90 on its side, 180 on its roof");
 }
 inline Edit edit_of(const Options& o, const std::vector<Joint>& joints) {
@@ -44,7 +43,7 @@ inline Edit edit_of(const Options& o, const std::vector<Joint>& joints) {
       for (const Joint& j : joints)
         if (j.name.find("_door") != std::string::npos) e.open[j.name] = angle;
   }
-  e.spin = o.spin, e.steer = o.steer, e.turn = o.turn, e.over = o.over;
+  e.spin = o.spin, e.steer = o.steer, e.over = o.over;
   e.hidden.insert(o.hide.begin(), o.hide.end());
   return e;
 }

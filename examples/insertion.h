@@ -4,7 +4,6 @@
 // The vehicle stands on a level ground below the camera and is path-traced under a panorama; shadow and vehicle
 // are laid into the picture (street/insert_layers.h, insert.h).
 #pragma once
-#include <memory>
 #include <burnish/io/exr.h>
 #include <burnish/io/kitti.h>
 #include <burnish/io/labels.h>
@@ -107,6 +106,23 @@ inline Mask about(const Camera& camera, const Placement& place, float reach) {
     }
   return count > 500 ? near : Mask(camera.width, camera.height, 1);
 }
+/// A panorama's light, and what of the plate hangs on it. o: as read() has completed it.
+inline void light(Street& s, const Options& o) {
+  s.sky = PanoramaSampler(read_photo(o.environment), o.yaw * 0.0174532925f);
+  s.found = {};
+  if (o.plate.empty()) {  // what the panorama itself shows
+    s.plate = Image(o.width, o.height);
+    for (int y = 0; y < o.height; ++y)
+      for (int x = 0; x < o.width; ++x)
+        s.plate.set(x, y, s.sky.radiance(s.camera.ray(float(x) + 0.5f, float(y) + 0.5f).direction));
+  } else {
+    s.found = plate_look(s.plate, about(s.camera, s.place, 4), s.camera, s.sky);
+  }
+  if (o.exposure > 0) s.found.exposure = vec3<float>(o.exposure);
+  if (o.noise >= 0) s.found.noise = o.noise;
+  if (o.blur >= 0) s.found.blur = o.blur;
+  if (o.six_lights) s.sky = PanoramaSampler(six_lights_panorama(s.sky.irradiance({0, 1, 0})));
+}
 inline Street read(Options& o) {
   constexpr float degree = 0.0174532925f;
   if (o.threads > 0) set_threads(o.threads);
@@ -114,7 +130,6 @@ inline Street read(Options& o) {
     o.vehicle = "/usr/share/sweethome3d/furniture/Scopia.sh3f:scopia/suv/suv.obj";
   if (o.height == 0) o.height = o.width * 9 / 16;
   Street s;
-  Image panorama = read_photo(o.environment);
   if (!o.plate.empty()) s.plate = read_photo(o.plate), o.width = s.plate.width, o.height = s.plate.height;
   KittiCamera kitti;
   if (!o.calibration.empty()) {
@@ -156,20 +171,7 @@ inline Street read(Options& o) {
   s.mesh = read_vehicle(path);
   s.kinds = assign_parts(Raycaster(s.mesh), assigning).kinds();
   if (!o.label.empty()) s.place = kitti_placement(read_kitti_label(o.label, o.line).box, bounds(s.mesh).size(), kitti);
-  s.sky = PanoramaSampler(panorama, o.yaw * degree);
-  const bool shown = s.plate.width == 0;
-  if (shown) {  // what the panorama itself shows
-    s.plate = Image(o.width, o.height);
-    for (int y = 0; y < o.height; ++y)
-      for (int x = 0; x < o.width; ++x)
-        s.plate.set(x, y, s.sky.radiance(s.camera.ray(float(x) + 0.5f, float(y) + 0.5f).direction));
-  } else {
-    s.found = plate_look(s.plate, about(s.camera, s.place, 4), s.camera, s.sky);
-  }
-  if (o.exposure > 0) s.found.exposure = vec3<float>(o.exposure);
-  if (o.noise >= 0) s.found.noise = o.noise;
-  if (o.blur >= 0) s.found.blur = o.blur;
-  if (o.six_lights) s.sky = PanoramaSampler(six_lights_panorama(s.sky.irradiance({0, 1, 0})));
+  light(s, o);
   return s;
 }
 

@@ -52,6 +52,8 @@ public:
         {"distance", number("%.2f m", double(p.pose.distance)), number("+- %.2f", double(p.deviation.distance))},
         {"belief in this heading", number("%.0f %%", 100 * p.belief), p.belief < 0.8 ? "not sure" : ""}};
     page_.numbers(numbers);
+    page_.text("+- is how far stretches of the outline pull the pose apart. That the model may be another car than the "
+               "photo's is not in it: then the angles may be off by some degrees.");
     for (const std::string& line : best.report.lines) page_.text("The file: " + line);
   }
 

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Left out: burnish/scene/raycast.h, which needs Embree; burnish/fit/vgg.h, which needs Eigen; what only readers of meshes
-// want, burnish/scene/clean.h, pieces.h, vehicle.h and words.h; and the floors of whole programs, burnish/twin/ and burnish/io/.
+// want, burnish/scene/axes.h, clean.h, pieces.h, vehicle.h and words.h; and the floors of whole programs, burnish/twin/ and burnish/io/.
 #pragma once
 #include <burnish/ad/check.h>
 #include <burnish/ad/compiled.h>

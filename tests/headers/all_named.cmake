@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 cmake_minimum_required(VERSION 3.22)
 file(GLOB_RECURSE headers RELATIVE ${include} ${include}/burnish/*/*.h)
-list(FILTER headers EXCLUDE REGEX "^burnish/(scene/(embree|raycast|clean|pieces|vehicle|words)\\.h|fit/vgg\\.h|twin/|street/|io/)")
+list(FILTER headers EXCLUDE REGEX "^burnish/(scene/(embree|raycast|axes|clean|pieces|vehicle|words)\\.h|fit/vgg\\.h|twin/|street/|io/)")
 list(APPEND headers burnish/version.h)
 file(STRINGS ${include}/burnish/burnish.h named REGEX "^#include <")
 list(TRANSFORM named REPLACE "^#include <(.*)>.*" "\\1")

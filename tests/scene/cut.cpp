@@ -18,7 +18,7 @@ double area(const Mesh& m, const std::vector<char>& chosen, bool in) {
 TEST_CASE("cut: a ball by three planes keeps its area, and every triangle lies on one side", "[scene][value]") {
   const Mesh ball = shapes::sphere({0.1f, 0.2f, -0.3f}, 1, 24);
   const ConvexRegion region{{{1, 0, 0}, 0.4f}, {normalize(vec3<float>(0, 1, 1)), 0.3f}, {{0, -1, 0}, 0.5f}};
-  const CutMesh c = cut(ball, region, [](int, const vec3<float>&) { return true; });
+  const CutMesh c = cut(ball, region, [](int) { return true; });
   std::vector<char> all(ball.triangles.size(), 1);
   CHECK(area(c.mesh, c.inside, true) + area(c.mesh, c.inside, false) == Approx(area(ball, all, true)).epsilon(1e-5));
   CHECK(area(c.mesh, c.inside, true) > 1);
@@ -56,7 +56,7 @@ TEST_CASE("cut: parts that are not to be cut stay whole", "[scene][value]") {
   Mesh two = shapes::sphere({0, 0, 0}, 1, 8);
   const std::size_t first = two.triangles.size();
   shapes::add_box(two, "box", {-1, -1, -1}, {1, 1, 1});
-  const CutMesh c = cut(two, {{{1, 0, 0}, 0}}, [](int part, const vec3<float>&) { return part == 0; });
+  const CutMesh c = cut(two, {{{1, 0, 0}, 0}}, [](int part) { return part == 0; });
   std::size_t boxes = 0;
   for (std::size_t t = 0; t < c.mesh.triangles.size(); ++t) {
     if (c.mesh.part[t] == 0) continue;

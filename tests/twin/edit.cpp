@@ -172,9 +172,6 @@ TEST_CASE("edited: hidden parts are gone; turned over it lies on the ground", "[
   CHECK(bounds(roof.mesh).low.y == Approx(0).margin(1e-5));
   CHECK(box_of_part(roof.mesh, "roof").center().y < 0.1f);
   CHECK(bounds(roof.mesh).size().y == Approx(bounds(s.mesh).size().y));
-  Edit quarter;
-  quarter.turn = 90;  // to the left: the front, +x, goes to -z
-  CHECK(bounds(edited(s.mesh, s.kinds, {}, quarter).mesh).size().z == Approx(4.4f));
 }
 TEST_CASE("read_joints: what was written comes back; what is wrong is named", "[io][value]") {
   const files::Folder folder;

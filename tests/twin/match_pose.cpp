@@ -153,6 +153,8 @@ TEST_CASE("match_pose: from the mask alone", "[twin][value]") {
   CHECK(std::cos(found[0].pose.azimuth - truth.azimuth) > std::cos(0.02f));
   CHECK(found[0].pose.distance == Approx(truth.distance).epsilon(0.01));
   CHECK(found[0].deviation.azimuth < 0.02f);
+  CHECK(found[0].deviation.azimuth > 1e-4f);  // and is not taken for certain
+  CHECK(found[0].deviation.elevation > 1e-4f);
   CHECK_THROWS_AS(match_pose(scene, Mask(64, 48)), Error);
 }
 

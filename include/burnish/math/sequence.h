@@ -1,7 +1,9 @@
-// burnish/math/sequence.h -- numbers that are random one by one and even in pairs: Sobol's points, scrambled
+// burnish/math/sequence.h -- places spread evenly in a square: numbers for paths, and for a pixel's rays
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <algorithm>
 #include <cstdint>
+#include <vector>
 #include <burnish/math/vec.h>
 
 namespace burnish {
@@ -55,5 +57,17 @@ private:
   std::uint32_t path_, seed_, count_ = 0;
   static constexpr float unit(std::uint32_t x) { return float(x >> 8) * 0x1p-24f; }
 };
+
+/// n x n places in the unit square, one in each cell of n x n and one in each of n^2 rows and of n^2 columns (Chiu,
+/// Shirley and Wang 1994, without the jitter); none for n < 2.
+inline std::vector<vec2<float>> spread_places(int n) {
+  std::vector<vec2<float>> places;
+  const float cell = 1.0f / float(std::max(n, 1));
+  for (int j = 0; j < n && n > 1; ++j) {
+    for (int i = 0; i < n; ++i)
+      places.emplace_back((float(i) + (float(j) + 0.5f) * cell) * cell, (float(j) + (float(i) + 0.5f) * cell) * cell);
+  }
+  return places;
+}
 
 }  // namespace burnish

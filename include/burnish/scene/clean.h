@@ -26,7 +26,6 @@ struct MeshReport {
 };
 
 namespace detail {
-inline float at(const vec3<float>& v, int axis) { return axis == 0 ? v.x : axis == 1 ? v.y : v.z; }
 /// v / |v|, or zero.
 inline vec3<float> unit_or_zero(const vec3<float>& v) {
   const float n = std::sqrt(dot(v, v));

@@ -34,7 +34,7 @@ struct CutMesh {
   std::vector<std::pair<int, int>> seam;
   std::vector<int> seam_part;  // whose triangle the edge is
 };
-/// Cuts the triangles of those parts for which takes(part, place of the triangle's middle) holds; the others stay
+/// Cuts the triangles of those parts for which takes(part) holds; the others stay
 /// outside. Normals and uvs are interpolated; nothing is moved, so the surface stays the same.
 template <class Takes> CutMesh cut(const Mesh& mesh, const ConvexRegion& region, Takes takes) {
   CutMesh out;
@@ -64,10 +64,7 @@ template <class Takes> CutMesh cut(const Mesh& mesh, const ConvexRegion& region,
     const auto& v = mesh.triangles[t];
     const int part = mesh.part[t];
     std::vector<int> polygon(v.begin(), v.end());
-    const vec3<float> middle =
-        (mesh.positions[std::size_t(v[0])] + mesh.positions[std::size_t(v[1])] + mesh.positions[std::size_t(v[2])]) /
-        3.0f;
-    if (!takes(part, middle)) {
+    if (!takes(part)) {
       keep(polygon, part, false);
       continue;
     }

@@ -35,7 +35,7 @@ struct Mask {
 
   Mask() = default;
   Mask(int w, int h, float value = 0) : width(w), height(h), values(padded(std::size_t(w) * h)) {
-    std::fill_n(values.begin(), std::size_t(w) * h, value);
+    if (value != 0) std::fill_n(values.begin(), std::size_t(w) * h, value);  // values begin as zeros
   }
   float& at(int x, int y) { return values[std::size_t(y) * width + x]; }
   float at(int x, int y) const { return values[std::size_t(y) * width + x]; }

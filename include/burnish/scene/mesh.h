@@ -94,6 +94,7 @@ namespace detail {
 constexpr bool finite(float x) { return (std::bit_cast<std::uint32_t>(x) & 0x7f800000u) != 0x7f800000u; }
 constexpr bool finite(const vec2<float>& p) { return finite(p.x) && finite(p.y); }
 constexpr bool finite(const vec3<float>& p) { return finite(p.x) && finite(p.y) && finite(p.z); }
+inline float at(const vec3<float>& v, int axis) { return axis == 0 ? v.x : axis == 1 ? v.y : v.z; }
 }  // namespace detail
 
 /// Error where a mesh has no triangle, an index is out of range or a position is not a number.

@@ -9,6 +9,7 @@
 #include <span>
 #include <string>
 #include <burnish/ad/parallel.h>
+#include <burnish/math/sequence.h>
 #include <burnish/scene/embree.h>
 #include <burnish/scene/error.h>
 #include <burnish/scene/surface_at.h>
@@ -57,7 +58,7 @@ public:
     const int w = camera.width, h = camera.height, tiles = (w + 3) / 4, rows = (h + 3) / 4;
     std::vector<Hit> hits(std::size_t(w) * h);
     std::vector<int> first(h + 1);
-    const std::vector<vec2<float>> places = spread(samples);
+    const std::vector<vec2<float>> places = spread_places(samples);
     const std::array<int, 4> frame = outline(camera);
     parallel_for(rows, [&](int row) {
       for (int column = 0; column < tiles; ++column) {
@@ -202,18 +203,6 @@ private:
     if (e != RTC_ERROR_NONE) throw Error("Embree fails on this mesh (error " + std::to_string(int(e)) + ")");
   }
 
-  /// n x n places in the unit square, one in each cell of n x n and one in each of n^2 rows and of n^2 columns (Chiu,
-  /// Shirley and Wang 1994, without the jitter).
-  static std::vector<vec2<float>> spread(int n) {
-    std::vector<vec2<float>> places;
-    const float cell = 1.0f / float(std::max(n, 1));
-    for (int j = 0; j < n && n > 1; ++j) {
-      for (int i = 0; i < n; ++i) {
-        places.emplace_back((float(i) + (float(j) + 0.5f) * cell) * cell, (float(j) + (float(i) + 0.5f) * cell) * cell);
-      }
-    }
-    return places;
-  }
   /// The pixels that may see the mesh: x from, y from, x to, y to; all where the box reaches behind the camera.
   std::array<int, 4> outline(const Camera& c) const {
     float x0 = 1e9f, y0 = 1e9f, x1 = -1e9f, y1 = -1e9f;

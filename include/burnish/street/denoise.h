@@ -5,6 +5,7 @@
 // pictures without noise (Rousselle, Manzi and Zwicker 2013): what another part, normal, colour or depth tells apart is
 // not mixed. Lone pixels far brighter than all about them are dimmed first, so a little light is lost.
 #pragma once
+#include <burnish/math/color.h>
 #include <burnish/street/insert_layers.h>
 
 namespace burnish {
@@ -109,18 +110,14 @@ inline void non_local_means(const std::vector<const float*>& colors, const std::
 inline void dim_fireflies(Image& image, Image& variance) {
   const Image from = image;
   const int w = image.width, h = image.height;
-  const auto bright = [&](int x, int y) {
-    const vec3<float> c = from.at(x, y);
-    return 0.2126f * c.x + 0.7152f * c.y + 0.0722f * c.z;
-  };
   parallel_for(h, [&](int y) {
     for (int x = 0; x < w; ++x) {
-      const float mine = bright(x, y);
+      const float mine = luminance(from.at(x, y));
       if (!(mine > 0) || variance.at(x, y).y < 0.1f * mine * mine) continue;
       float most = 0;
       for (int j = std::max(0, y - 1); j <= std::min(h - 1, y + 1); ++j)
         for (int i = std::max(0, x - 1); i <= std::min(w - 1, x + 1); ++i)
-          if (i != x || j != y) most = std::max(most, bright(i, j));
+          if (i != x || j != y) most = std::max(most, luminance(from.at(i, j)));
       if (mine <= most) continue;
       const float k = most / mine;
       image.set(x, y, from.at(x, y) * k), variance.set(x, y, variance.at(x, y) * (k * k));

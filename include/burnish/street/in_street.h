@@ -9,9 +9,9 @@
 #include <burnish/fit/render.h>
 #include <burnish/light/illuminate.h>
 #include <burnish/light/panorama_sampler.h>
-#include <burnish/math/sequence.h>
 #include <burnish/nodes/car_paint.h>
 #include <burnish/scene/raycast.h>
+#include <burnish/street/ground_shade.h>
 
 namespace burnish {
 
@@ -158,7 +158,7 @@ private:
     if (!(ray.direction.y < 0 && t > 0 && t < 200)) return;
     const std::size_t at = std::size_t(y) * std::size_t(plate.width) + std::size_t(x);
     const vec3<float> place = ray.origin + ray.direction * t, from = place + vec3<float>(0, 1e-3f, 0);
-    vec3<float> seen, all;
+    GroundLight by_sky;
     int sunny = 0;
     for (int k = 0; k < draws; ++k) {
       PathNumbers numbers(std::uint32_t(at), std::uint32_t(k), 1);
@@ -166,13 +166,11 @@ private:
       const float r = std::sqrt(u.x), phi = 2 * pi * u.y;
       const vec3<float> d(r * std::cos(phi), std::sqrt(std::max(1 - u.x, 1e-7f)), r * std::sin(phi));
       const vec3<float> radiance = sky.radiance(d);
-      all += radiance;
-      if (!scene.blocked({from, d})) seen += radiance;
+      by_sky.all += radiance;
+      if (!scene.blocked({from, d})) by_sky.seen += radiance;
       if (k % 4 == 0) sunny += !scene.blocked({from, sun_ray(sun, k / 4, (draws + 3) / 4)});
     }
-    const auto share = [](float some, float of) { return of > 0 ? some / of : 1; };
-    ground[at] = {{share(seen.x, all.x), share(seen.y, all.y), share(seen.z, all.z)},
-                  float(sunny) / float((draws + 3) / 4)};
+    ground[at] = {by_sky.shadow(), float(sunny) / float((draws + 3) / 4)};
   }
 };
 

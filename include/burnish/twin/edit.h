@@ -1,6 +1,7 @@
 // burnish/twin/edit.h -- a vehicle changed: opened, steered, rolled, parts hidden, turned over
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <algorithm>
 #include <map>
 #include <set>
 #include <burnish/twin/joints.h>
@@ -11,7 +12,6 @@ struct Edit {
   std::map<std::string, float> open;  ///< degrees, by a joint's name
   float spin = 0, steer = 0;          ///< degrees: of all wheels, rolling ahead; of the front ones, to the left
   std::set<std::string> hidden;       ///< kinds of parts (window, wheel, ...), names of parts or materials, joints
-  float turn = 0;                     ///< degrees about the vertical, to the left
   float over = 0;                     ///< degrees about its length, to the right; then it lies on the ground
 };
 /// What came of it: cut panels have parts of their own, with the kinds they had, and seams and linings new ones.
@@ -43,21 +43,15 @@ template <class Move> void move_triangles(Mesh& m, const std::vector<char>& chos
     }
   }
 }
-inline int part_like(EditedVehicle& v, const Part& p, PartKind kind) {
-  v.mesh.parts.push_back(p);
-  v.kinds.push_back(kind);
-  return int(v.mesh.parts.size()) - 1;
-}
-
 /// Cuts a panel out, gives it and the opening an edge and a lining, and turns it.
 inline void open_panel(EditedVehicle& v, const Joint& j, float angle) {
-  CutMesh c =
-      cut(v.mesh, j.region, [&](int part, const vec3<float>&) { return !is_wheel(v.kinds[std::size_t(part)]); });
+  CutMesh c = cut(v.mesh, j.region, [&](int part) { return !is_wheel(v.kinds[std::size_t(part)]); });
   v.mesh = std::move(c.mesh);
   Part dark;
   dark.name = j.name + "_lining", dark.material = "lining", dark.base_color = vec3<float>(0.02f);
-  dark.material_index = 9000;
-  const int lining = part_like(v, dark, PartKind::other);
+  for (const Part& p : v.mesh.parts) dark.material_index = std::max(dark.material_index, p.material_index + 1);
+  const int lining = int(v.mesh.parts.size());
+  v.mesh.parts.push_back(dark), v.kinds.push_back(PartKind::other);
   std::vector<char> moves = c.inside;
   Mesh& m = v.mesh;
   // The edge: from each new edge inwards, once for the panel and once for what it leaves.
@@ -140,9 +134,9 @@ inline EditedVehicle edited(const Mesh& mesh, const std::vector<PartKind>& kinds
       if (j.name != h) continue;
       for (std::size_t t = 0; t < gone.size(); ++t) {
         const auto& c = v.mesh.triangles[t];
-        gone[t] = contains(j.region, (v.mesh.positions[std::size_t(c[0])] + v.mesh.positions[std::size_t(c[1])] +
-                                      v.mesh.positions[std::size_t(c[2])]) /
-                                         3.0f);
+        const vec3<float> sum = v.mesh.positions[std::size_t(c[0])] + v.mesh.positions[std::size_t(c[1])] +
+                                v.mesh.positions[std::size_t(c[2])];
+        gone[t] = gone[t] || contains(j.region, sum / 3.0f);
         any = any || gone[t];
       }
     }
@@ -150,13 +144,10 @@ inline EditedVehicle edited(const Mesh& mesh, const std::vector<PartKind>& kinds
     detail::keep_triangles(v.mesh, [&](int t) { return !gone[std::size_t(t)]; });
   }
   v.missing.assign(unknown.begin(), unknown.end());
-  if (v.mesh.triangles.empty() || (edit.turn == 0 && edit.over == 0)) return v;
-  const vec3<float> middle = bounds(v.mesh).center();
-  const auto all = [&](const vec3<float>& axis, float angle) {
-    for (vec3<float>& p : v.mesh.positions) p = detail::turned_about(p, middle, axis, angle * degree);
-    for (vec3<float>& n : v.mesh.normals) n = detail::turned_about(n, {}, axis, angle * degree);
-  };
-  all({1, 0, 0}, edit.over), all({0, 1, 0}, edit.turn);
+  if (v.mesh.triangles.empty() || edit.over == 0) return v;
+  const vec3<float> middle = bounds(v.mesh).center(), ahead(1, 0, 0);
+  for (vec3<float>& p : v.mesh.positions) p = detail::turned_about(p, middle, ahead, edit.over * degree);
+  for (vec3<float>& n : v.mesh.normals) n = detail::turned_about(n, {}, ahead, edit.over * degree);
   const float lowest = bounds(v.mesh).low.y;
   for (vec3<float>& p : v.mesh.positions) p.y -= lowest;
   return v;

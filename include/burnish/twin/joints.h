@@ -4,7 +4,6 @@
 // In the frame of scene/vehicle.h: metres, x ahead, y up, z to the vehicle's right. Few files have doors of their own;
 // so a door is what lies in a convex region about its pane, between the wheels, and is cut out where it is opened.
 #pragma once
-#include <optional>
 #include <string>
 #include <burnish/scene/cut.h>
 #include <burnish/twin/parts.h>
@@ -80,6 +79,7 @@ template <class Facing> Panes panes_of(const Mesh& m, const std::vector<PartKind
 /// Stretches of x that panes cover, front ones first; narrower than 6 cm do not count.
 inline std::vector<vec2<float>> covered(const Panes& panes) {
   constexpr float step = 0.015f;
+  if (panes.points.empty()) return {};
   const float low = panes.box.low.x;
   std::vector<char> cells(std::size_t((panes.box.high.x - low) / step) + 2);
   for (std::size_t i = 0; i + 2 < panes.points.size(); i += 3) {
@@ -118,127 +118,112 @@ inline void add_wheels(std::vector<Joint>& out, const std::vector<Wheel>& wheels
     out.push_back(j);
   }
 }
-}  // namespace detail
+/// What the joints of a vehicle are found by.
+struct JointSearch {
+  const Mesh& mesh;
+  const std::vector<PartKind>& kinds;
+  Box box;
+  float front, rear, radius, hub;  // x of the axles; the wheels' radius, and the height of their middles
+  float waist;                     // panes lie above it, lamps below
+  std::vector<Joint> joints;
+  std::vector<std::string> notes;
 
-/// Joints found from geometry: wheels by their roundness; side doors by the panes of each side, the pillar between them
-/// and the wheels' arches; the bonnet between the windscreen and the nose; the boot by the rear pane: a hatch where it
-/// reaches the rear end, else a lid. What cannot be found is missing, and `notes` says why, a line each.
-inline std::vector<Joint> find_joints(const Mesh& m, const std::vector<PartKind>& kinds,
-                                      std::vector<std::string>* notes = nullptr) {
-  using detail::panes_of;
-  std::vector<Joint> out;
-  const auto note = [&](const std::string& line) {
-    if (notes) notes->push_back(line);
-  };
-  const Box box = bounds(m);
-  const std::vector<Wheel> wheels = find_wheels(m);
-  float front = -1e9f, rear = 1e9f, radius = 0, hub = 0;
-  int standing = 0;
-  for (const Wheel& w : wheels) {
-    if (w.spare) continue;
-    front = std::max(front, w.center.x), rear = std::min(rear, w.center.x), radius = std::max(radius, w.radius);
-    hub += w.center.y, ++standing;
-  }
-  if (standing < 4 || !(front - rear > 1)) {
-    note("no wheels that stand apart from the rest: none can turn, and doors are not looked for");
-    return out;
-  }
-  hub /= float(standing);
-  detail::add_wheels(out, wheels, 0.5f * (front + rear));
-
-  const float waist = box.low.y + 0.52f * box.size().y;  // panes lie above it, lamps below
-  const float half = 0.5f * box.size().z, middle = 0.5f * (front + rear);
-  for (const float side : {-1.0f, 1.0f}) {
-    const std::string name = side > 0 ? "right" : "left";
-    const auto panes = panes_of(m, kinds, [&](const vec3<float>& n, const vec3<float>& p) {
-      return std::abs(n.z) > 0.6f && p.z * side > 0.45f * half;
+  float half() const { return 0.5f * box.size().z; }
+  float middle() const { return 0.5f * (front + rear); }
+  void note(const std::string& line) { notes.push_back(line); }
+  /// Windscreen or rear pane.
+  Panes across(bool ahead) const {
+    return panes_of(mesh, kinds, [&](const vec3<float>& n, const vec3<float>& p) {
+      return std::abs(n.x) > 0.25f && std::abs(n.z) < 0.6f && (p.x > middle()) == ahead && p.y > waist;
     });
-    if (panes.points.empty()) {
-      note("no panes on the " + name + ": its doors are not found");
-      continue;
-    }
-    const auto stretches = detail::covered(panes);
-    float pillar = middle - 0.05f * (front - rear);
-    bool sure = false;
-    for (std::size_t k = 0; k + 1 < stretches.size(); ++k) {
-      const float gap = 0.5f * (stretches[k].x + stretches[k + 1].y);
-      if (std::abs(gap - middle) < 0.2f * (front - rear) &&
-          (!sure || std::abs(gap - middle) < std::abs(pillar - middle)))
-        pillar = gap, sure = true;
-    }
-    const float belt = panes.box.low.y, sill = std::max(box.low.y + 0.9f * hub, hub - 0.15f * radius);
-    const auto door = [&](const std::string& which, float from, float to) {
-      std::vector<vec2<float>> outline{{from, sill}, {to, sill}, {from, belt}, {to, belt}};
-      float inner = 1e9f, low_y = 1e9f, top_y = -1e9f;
-      vec2<float> at_low, at_top;
-      for (const vec3<float>& p : panes.points) {
-        if (p.x < from || p.x > to) continue;
-        for (const float dx : {-0.03f, 0.03f}) outline.push_back({std::clamp(p.x + dx, from, to), p.y + 0.035f});
-        if (p.y < low_y) low_y = p.y, at_low = {p.z * side, p.y};
-        if (p.y > top_y) top_y = p.y, at_top = {p.z * side, p.y};
-        inner = std::min(inner, p.z * side);
-      }
-      if (!(inner < 1e8f) || to - from < 0.45f || top_y - low_y < 0.1f) return;
-      Joint j;
-      j.name = which + "_" + name + "_door";
-      j.region = detail::hull_prism(outline, 2);
-      // Inwards: a plane along the pane, 7 cm behind it; below, as deep as doors are.
-      const vec2<float> along((at_top.x - at_low.x), (at_top.y - at_low.y));
-      const float l = std::max(std::hypot(along.x, along.y), 1e-6f);
-      const vec3<float> n = vec3<float>(0, along.x / l, -side * along.y / l);
-      j.region.push_back({n, dot(n, vec3<float>(0, at_low.y, side * at_low.x)) + 0.07f});
-      j.region.push_back({{0, 0, -side}, -(at_low.x - 0.14f)});
-      // Off the wheels' arches.
-      for (const float arch : {front, rear}) {
-        const vec3<float> d(arch - 0.5f * (from + to), hub - 0.5f * (sill + belt), 0);
-        const vec3<float> to_arch = d / length(d);
-        j.region.push_back({to_arch, dot(to_arch, vec3<float>(arch, hub, 0)) - 1.22f * radius});
-      }
-      j.pivot = {to, belt, side * (half - 0.05f)}, j.axis = {0, side, 0};
-      j.inward = {0, 0, -side}, j.low = 0, j.high = 75;
-      j.sure = sure;
-      out.push_back(j);
-    };
-    const float fore = front - 1.2f * radius;
-    door("front", pillar, std::max(fore, pillar + 0.7f));
-    const float aft = std::max(rear - 0.2f * radius, stretches.back().x - 0.04f);
-    if (sure && pillar - aft > 0.5f) door("rear", aft, pillar);
   }
-
-  const auto screen = panes_of(m, kinds, [&](const vec3<float>& n, const vec3<float>& p) {
-    return std::abs(n.x) > 0.25f && std::abs(n.z) < 0.6f && p.x > middle && p.y > waist;
-  });
-  if (screen.points.empty()) note("no windscreen: the bonnet is not found");
-  else {
+  /// By the panes of each side, the pillar between them and the wheels' arches.
+  void doors() {
+    for (const float side : {-1.0f, 1.0f}) {
+      const std::string name = side > 0 ? "right" : "left";
+      const auto panes = panes_of(mesh, kinds, [&](const vec3<float>& n, const vec3<float>& p) {
+        return std::abs(n.z) > 0.6f && p.z * side > 0.45f * half();
+      });
+      const auto stretches = covered(panes);
+      if (stretches.empty()) {
+        note("no panes on the " + name + ": its doors are not found");
+        continue;
+      }
+      float pillar = middle() - 0.05f * (front - rear);
+      bool sure = false;
+      for (std::size_t k = 0; k + 1 < stretches.size(); ++k) {
+        const float gap = 0.5f * (stretches[k].x + stretches[k + 1].y);
+        if (std::abs(gap - middle()) < 0.2f * (front - rear) &&
+            (!sure || std::abs(gap - middle()) < std::abs(pillar - middle())))
+          pillar = gap, sure = true;
+      }
+      const float belt = panes.box.low.y, sill = std::max(box.low.y + 0.9f * hub, hub - 0.15f * radius);
+      const auto door = [&](const std::string& which, float from, float to) {
+        std::vector<vec2<float>> outline{{from, sill}, {to, sill}, {from, belt}, {to, belt}};
+        float low_y = 1e9f, top_y = -1e9f;
+        vec2<float> at_low, at_top;
+        for (const vec3<float>& p : panes.points) {
+          if (p.x < from || p.x > to) continue;
+          for (const float dx : {-0.03f, 0.03f}) outline.push_back({std::clamp(p.x + dx, from, to), p.y + 0.035f});
+          if (p.y < low_y) low_y = p.y, at_low = {p.z * side, p.y};
+          if (p.y > top_y) top_y = p.y, at_top = {p.z * side, p.y};
+        }
+        if (to - from < 0.45f || !(top_y - low_y > 0.1f)) return;
+        Joint j;
+        j.name = which + "_" + name + "_door";
+        j.region = hull_prism(outline, 2);
+        // Inwards: a plane along the pane, 7 cm behind it; below, as deep as doors are.
+        const vec2<float> along((at_top.x - at_low.x), (at_top.y - at_low.y));
+        const float l = std::max(std::hypot(along.x, along.y), 1e-6f);
+        const vec3<float> n = vec3<float>(0, along.x / l, -side * along.y / l);
+        j.region.push_back({n, dot(n, vec3<float>(0, at_low.y, side * at_low.x)) + 0.07f});
+        j.region.push_back({{0, 0, -side}, -(at_low.x - 0.14f)});
+        // Off the wheels' arches.
+        for (const float arch : {front, rear}) {
+          const vec3<float> d(arch - 0.5f * (from + to), hub - 0.5f * (sill + belt), 0);
+          const vec3<float> to_arch = d / length(d);
+          j.region.push_back({to_arch, dot(to_arch, vec3<float>(arch, hub, 0)) - 1.22f * radius});
+        }
+        j.pivot = {to, belt, side * (half() - 0.05f)}, j.axis = {0, side, 0};
+        j.inward = {0, 0, -side}, j.low = 0, j.high = 75;
+        j.sure = sure;
+        joints.push_back(j);
+      };
+      const float fore = front - 1.2f * radius;
+      door("front", pillar, std::max(fore, pillar + 0.7f));
+      const float aft = std::max(rear - 0.2f * radius, stretches.back().x - 0.04f);
+      if (sure && pillar - aft > 0.5f) door("rear", aft, pillar);
+    }
+  }
+  /// Between the windscreen and the nose.
+  void bonnet() {
+    const Panes screen = across(true);
+    if (screen.points.empty()) return note("no windscreen: the bonnet is not found");
     vec3<float> foot(-1e9f, 0, 0);
     for (const vec3<float>& p : screen.points)
       if (p.x > foot.x) foot = p;
     const float to = box.high.x - 0.10f * (box.high.x - foot.x) - 0.06f;
-    if (foot.x < -1e8f || to - foot.x < 0.35f) note("no room for a bonnet before the windscreen");
-    else {
-      Joint j;
-      j.name = "bonnet";
-      const float wide = 0.76f * half, from = foot.x + 0.03f;
-      // Its lower face falls from below the screen's foot to below the nose's edge.
-      float nose = box.low.y;
-      for (const vec3<float>& p : m.positions)
-        if (std::abs(p.x - to) < 0.12f && std::abs(p.z) < 0.4f * half && p.y < foot.y + 0.1f)
-          nose = std::max(nose, p.y);
-      j.region = detail::hull_prism({{from, -wide}, {to, -wide}, {from, wide}, {to, wide}}, 1);
-      const float slope = (nose - foot.y) / (to - from), l = std::hypot(1.0f, slope);
-      const vec3<float> down(slope / l, -1 / l, 0);
-      j.region.push_back({down, dot(down, vec3<float>(from, foot.y - 0.10f, 0))});
-      j.pivot = {from, foot.y, 0}, j.axis = {0, 0, 1}, j.inward = {0, -1, 0}, j.high = 55;
-      j.thickness = 0.03f, j.well = 0.3f;
-      out.push_back(j);
-    }
+    if (to - foot.x < 0.35f) return note("no room for a bonnet before the windscreen");
+    Joint j;
+    j.name = "bonnet";
+    const float wide = 0.76f * half(), from = foot.x + 0.03f;
+    // Its lower face falls from below the screen's foot to below the nose's edge.
+    float nose = box.low.y;
+    for (const vec3<float>& p : mesh.positions)
+      if (std::abs(p.x - to) < 0.12f && std::abs(p.z) < 0.4f * half() && p.y < foot.y + 0.1f)
+        nose = std::max(nose, p.y);
+    j.region = hull_prism({{from, -wide}, {to, -wide}, {from, wide}, {to, wide}}, 1);
+    const float slope = (nose - foot.y) / (to - from), l = std::hypot(1.0f, slope);
+    const vec3<float> down(slope / l, -1 / l, 0);
+    j.region.push_back({down, dot(down, vec3<float>(from, foot.y - 0.10f, 0))});
+    j.pivot = {from, foot.y, 0}, j.axis = {0, 0, 1}, j.inward = {0, -1, 0}, j.high = 55;
+    j.thickness = 0.03f, j.well = 0.3f;
+    joints.push_back(j);
   }
-
-  const auto back = panes_of(m, kinds, [&](const vec3<float>& n, const vec3<float>& p) {
-    return std::abs(n.x) > 0.25f && std::abs(n.z) < 0.6f && p.x < middle && p.y > waist;
-  });
-  if (back.points.empty()) note("no rear pane: the boot is not found");
-  else {
+  /// By the rear pane: a hatch where it reaches the rear end, else a lid.
+  void boot() {
+    const Panes back = across(false);
+    if (back.points.empty()) return note("no rear pane: the boot is not found");
     vec3<float> top(0, -1e9f, 0), foot(0, 1e9f, 0);
     for (const vec3<float>& p : back.points) {
       if (p.y > top.y) top = p;
@@ -246,28 +231,52 @@ inline std::vector<Joint> find_joints(const Mesh& m, const std::vector<PartKind>
     }
     Joint j;
     j.name = "boot";
-    const float wide = 0.78f * half, bumper = box.low.y + 0.42f * (foot.y - box.low.y) + 0.1f;
+    const float wide = 0.78f * half(), bumper = box.low.y + 0.42f * (foot.y - box.low.y) + 0.1f;
     j.axis = {0, 0, -1}, j.thickness = 0.04f;
     if (foot.x - box.low.x > 1.1f) {
-      note("the rear pane is far from the rear end, as a pickup's: no boot");
-      return out;
+      return note("the rear pane is far from the rear end, as a pickup's: no boot");
     }
     if (foot.x - box.low.x > 0.38f) {  // a lid behind the pane
       const float from = box.low.x - 0.02f, to = foot.x - 0.03f;
-      j.region = detail::hull_prism({{from, -wide}, {to, -wide}, {from, wide}, {to, wide}}, 1);
+      j.region = hull_prism({{from, -wide}, {to, -wide}, {from, wide}, {to, wide}}, 1);
       j.region.push_back({{0, -1, 0}, -std::max(bumper, foot.y - 0.35f)});
       j.pivot = {to, foot.y, 0}, j.inward = {0, -1, 0}, j.high = 70, j.well = 0.4f;
     } else {
       const float hinge = top.y + 0.03f;
-      j.region = detail::hull_prism({{bumper, -wide}, {hinge, -wide}, {bumper, wide}, {hinge, wide}}, 0);
+      j.region = hull_prism({{bumper, -wide}, {hinge, -wide}, {bumper, wide}, {hinge, wide}}, 0);
       const vec3<float> a(top.x + 0.10f, hinge, 0), b(box.low.x + 0.20f, bumper, 0), d = a - b;
       const vec3<float> ahead = normalize(vec3<float>(d.y, -d.x, 0));
       j.region.push_back({ahead, dot(ahead, a)});
       j.pivot = {top.x + 0.02f, hinge, 0}, j.inward = {1, 0, 0}, j.high = 80;
     }
-    out.push_back(j);
+    joints.push_back(j);
   }
-  return out;
+};
+}  // namespace detail
+
+/// Joints found from geometry: wheels by their roundness; side doors by the panes of each side, the pillar between them
+/// and the wheels' arches; the bonnet between the windscreen and the nose; the boot by the rear pane: a hatch where it
+/// reaches the rear end, else a lid. What cannot be found is missing, and `notes` says why, a line each.
+inline std::vector<Joint> find_joints(const Mesh& m, const std::vector<PartKind>& kinds,
+                                      std::vector<std::string>* notes = nullptr) {
+  const Box box = bounds(m);
+  detail::JointSearch s{m, kinds, box, -1e9f, 1e9f, 0, 0, box.low.y + 0.52f * box.size().y, {}, {}};
+  const std::vector<Wheel> wheels = find_wheels(m);
+  int standing = 0;
+  for (const Wheel& w : wheels) {
+    if (w.spare) continue;
+    s.front = std::max(s.front, w.center.x), s.rear = std::min(s.rear, w.center.x);
+    s.radius = std::max(s.radius, w.radius), s.hub += w.center.y, ++standing;
+  }
+  if (standing < 4 || !(s.front - s.rear > 1)) {
+    s.note("no wheels that stand apart from the rest: none can turn, and doors are not looked for");
+  } else {
+    s.hub /= float(standing);
+    detail::add_wheels(s.joints, wheels, s.middle());
+    s.doors(), s.bonnet(), s.boot();
+  }
+  if (notes) notes->insert(notes->end(), s.notes.begin(), s.notes.end());
+  return s.joints;
 }
 
 }  // namespace burnish
