@@ -72,7 +72,7 @@ int main(int argc, char** argv) {
       }
   }
   std::sort(files.begin(), files.end());
-  std::vector<double> ours, plain, ours_sky, plain_sky, ours_lost, plain_lost, off, sure;
+  std::vector<double> ours, plain, ours_sky, plain_sky, ours_lost, plain_lost, off, darker, usual, brighter, sure;
   std::printf("%-30s %5s  %-6s %14s %6s %7s %10s   %-34s  %-34s\n", "panorama", "mean", "found", "sun: elevation",
               "part", "off", "(sigma)", "error of E: up, +x, -x, +z, -z, %", "of the clipped panorama, %");
   for (const std::string& file : files) {
@@ -101,7 +101,10 @@ int main(int argc, char** argv) {
       std::printf("  ");
       for (std::size_t k = 0; k < 5; ++k) std::printf(" %6.0f", 100 * (without[k] / (truth[k] * double(exposure)) - 1));
       std::printf("\n");
-      if (found.kind == SkyKind::sunny && sun.part > 0.01) off.push_back(angle);
+      if (found.kind == SkyKind::sunny && sun.part > 0.01) {
+        off.push_back(angle);
+        (mean < 0.1f ? darker : mean < 0.2f ? usual : brighter).push_back(angle);
+      }
       if (found.kind == SkyKind::sunny && found.sun_sigma < 0.035) sure.push_back(angle);
     }
   }
@@ -120,8 +123,12 @@ int main(int argc, char** argv) {
   line("under a sky that was found", ours_sky, plain_sky);
   line("and clipping takes more than a tenth of it", ours_lost, plain_lost);
   std::printf("\n%-62s %4s   median, 90 %% below\n", "the sun is off by, degrees", "n");
-  std::printf("%-62s %4zu   %5.1f %5.1f\n", "it is said to be seen, and has 1 % of all light", off.size(),
-              part_of(off, 0.5), part_of(off, 0.9));
-  std::printf("%-62s %4zu   %5.1f %5.1f\n", "it is said to be seen, and sigma is below 2 degrees", sure.size(),
-              part_of(sure, 0.5), part_of(sure, 0.9));
+  const auto sun_line = [&](const char* what, const std::vector<double>& v) {
+    std::printf("%-62s %4zu   %5.1f %5.1f\n", what, v.size(), part_of(v, 0.5), part_of(v, 0.9));
+  };
+  sun_line("it is said to be seen, and has 1 % of all light", off);
+  sun_line("  exposed a stop less", darker);
+  sun_line("  as metered", usual);
+  sun_line("  half a stop more", brighter);
+  sun_line("it is said to be seen, and sigma is below 2 degrees", sure);
 }

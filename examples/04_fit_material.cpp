@@ -4,6 +4,7 @@
 // The way of the data: the vehicle is seen through the photo's camera (a G-buffer, once); the panorama's light is
 // gathered for every pixel (once); then render, compare with the photo, go back, step, 300 times; at the end pictures
 // and files.
+#include <burnish/io/model.h>
 #include "command.h"
 #include "fit_parts.h"
 #include "fit_report.h"

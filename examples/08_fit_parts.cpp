@@ -5,6 +5,7 @@
 // need not lie on the photo's pixels. The features are a bank of filters, or a network's of VGG's kind from a file.
 #include <burnish/fit/vgg.h>
 #include <burnish/io/computed.h>
+#include <burnish/io/model.h>
 #include "command.h"
 #include "fit_parts.h"
 #include "fit_report.h"

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <burnish/io/report.h>
 #include "command.h"
+#include "dressed.h"
 #include "insertion.h"
 
 using namespace burnish;
@@ -76,17 +77,16 @@ int main(int argc, char** argv) {
       items.push_back(
           {std::to_string(360 * k / turntable) + " degrees", o.edit, {}, {}, 360.0f * float(k) / float(turntable)});
     const looks::Vehicle look = street.look;
-    std::string lit;  // the panorama of the last picture, if it is another than the options'
+    const LightField<PanoramaFile> lights = street.lights;
     Progress bar("draw");
     std::vector<Panel> panels;
     for (std::size_t k = 0; k < items.size() && !interrupted; ++k) {
       const Item& item = items[k];
       insertion::Options with = o;
       with.edit = item.edit, with.edit.joints = o.edit.joints;
-      if (item.environment != lit) {
-        with.environment = item.environment.empty() ? o.environment : item.environment;
-        insertion::light(street, with), lit = item.environment;
-      }
+      street.lights = lights;
+      if (!item.environment.empty()) street.lights = {{{{}, {item.environment, o.yaw * 0.0174532925f}}}};
+      insertion::light(street, o, street.place);
       street.look = look;
       if (!item.materials.empty()) insertion::read_materials(item.materials, street.look);
       Placement place = street.place;

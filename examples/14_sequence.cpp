@@ -3,6 +3,7 @@
 //
 // Each frame depends on the recipe and its number alone. A frame that is there is not made again, so a run goes on
 // where the last one stopped, and jobs may share the frames in any way; --collect then makes one data set of them.
+#include <burnish/io/exr.h>
 #include <burnish/io/report.h>
 #include <burnish/street/trajectory.h>
 #include "command.h"
@@ -28,7 +29,8 @@ std::string recipe_text(const Recipe& r, const insertion::Options& o) {
   ordered_json j;
   j["trajectory"] = r.trajectory, j["frames"] = r.frames, j["length"] = r.length, j["angle"] = r.angle;
   j["twin"] = o.twin, j["vehicle"] = o.vehicle, j["materials"] = o.materials, j["plate"] = o.plate;
-  j["environment"] = o.environment, j["depth"] = o.depth, j["kitti_label"] = o.label, j["kitti_calib"] = o.calibration;
+  j["environment"] = o.environment, j["lights"] = o.lights, j["depth"] = o.depth, j["kitti_label"] = o.label,
+  j["kitti_calib"] = o.calibration;
   j["kitti_line"] = o.line, j["at"] = o.at, j["pixel"] = o.pixel, j["heading"] = o.heading, j["yaw"] = o.yaw;
   j["focal"] = o.focal, j["above"] = o.above, j["pitch"] = o.pitch, j["roll"] = o.roll, j["wet"] = o.wet;
   j["exposure"] = o.exposure, j["noise"] = o.noise, j["blur"] = o.blur, j["width"] = o.width, j["height"] = o.height;
@@ -39,7 +41,7 @@ std::string recipe_text(const Recipe& r, const insertion::Options& o) {
 }
 /// One frame; its label is written last, so that a frame with a label is whole.
 template <class Show>
-void make(const Recipe& r, const insertion::Options& o, const insertion::Street& s, int k, float radius, Show show) {
+void make(const Recipe& r, const insertion::Options& o, insertion::Street& s, int k, float radius, Show show) {
   const float time = r.frames > 1 ? float(k) / float(r.frames - (r.trajectory == "rotate" ? 0 : 1)) : 0;
   const float border = 0.5f * float(s.camera.width) / s.camera.fx;
   const float length = r.trajectory == "occluded" ? bounds(s.mesh).size().x * s.place.scale : r.length;
@@ -47,6 +49,7 @@ void make(const Recipe& r, const insertion::Options& o, const insertion::Street&
   editing::Options edit = o.edit;
   edit.spin += m.rolled / radius * 57.29578f;
   if (m.opened > 0) edit.open.push_back("doors=" + std::to_string(r.angle * m.opened));
+  insertion::light(s, o, m.place);
   const insertion::Shot shot = insertion::shoot(s, m.place, edit, o, show);
   write_png(at(r, k, "frames", ".png"), shot.composite);
   write_png(at(r, k, "masks", ".png"), shot.visible);
@@ -125,7 +128,7 @@ int main(int argc, char** argv) {
     Progress whole("");
     const std::string recipe = r.output + "/sequence.json";
     if (!r.collect) {
-      const insertion::Street street = insertion::read(o);
+      insertion::Street street = insertion::read(o);
       check_writable(r.output);
       for (const char* folder : {"frames", "masks", "gbuffers", "coco", "labels"})
         std::filesystem::create_directories(r.output + "/" + folder);

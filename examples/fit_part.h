@@ -1,26 +1,16 @@
 // examples/fit_part.h -- one part of a vehicle against the photo: steps from a start, what was found, and how sure
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-#include <functional>
 #include <burnish/fit/loss.h>
 #include <burnish/io/file.h>
 #include <burnish/io/model.h>
 #include "fitted.h"
 #include "light.h"
 #include "progress.h"
+#include "watch.h"
 
 namespace fitting {
 using fitted::Fitted;
-
-/// Told how far a stage of the work is: done < of while it goes on, and once done == of with a note on what came of it.
-/// Gives false to stop; what was done is kept.
-using Watch = std::function<bool(const std::string& stage, int done, int of, const std::string& note)>;
-
-/// One more loss of a part's picture: its value; adds its derivative to d_image.
-using Loss = std::function<double(const Image& image, Image& d_image)>;
-/// Makes it for a part, from the photo, the part's mask there and the part's mask in the model's picture; may be empty,
-/// and may give an empty one.
-using MoreLoss = std::function<Loss(Role, const Photo&, const Mask& photographed, const Mask& rendered)>;
 
 struct Weights {
   double aligned, statistics;

@@ -3,7 +3,7 @@
 #pragma once
 #include <numeric>
 #include <burnish/fit/gram.h>
-#include "fit_part.h"
+#include "watch.h"
 
 namespace fitting {
 

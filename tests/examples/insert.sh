@@ -28,11 +28,25 @@ awk '{ exit !($2 > 0.2 && $2 < 0.8 && $7 == 160) }' border/label_kitti.txt || fa
 "$program" "${given[@]}" --plate photo.ppm --noise 0 --blur 0 --output plate >/dev/null 2>&1 || fail "a run with a plate"
 grep -q '"width":96,"height":64' plate/label_coco.json || fail "not the plate's size"
 
+# A light field: the panorama nearest to the vehicle lights it, as if it were the only one.
+awk 'NR < 4 { print; next } { print $3, $2, $1 }' sky.ppm >evening.ppm
+echo '{"lights": [{"at": [0, 30], "panorama": "evening.ppm"}, {"at": [1, 9], "panorama": "sky.ppm"}]}' >lights.json
+refuses "--lights needs --plate" --lights lights.json
+given+=(--plate photo.ppm --noise 0 --blur 0)
+"$program" "${given[@]}" --lights lights.json --output near >/dev/null 2>&1 || fail "a run with a light field"
+cmp near/composite.png plate/composite.png || fail "not lit by the nearest"
+"$program" "${given[@]}" --lights lights.json --at 0,26 --output far >/dev/null 2>&1 || fail "a run further off"
+"$program" "${given[@]}" --environment evening.ppm --at 0,26 --output evening >/dev/null 2>&1 || fail "a run in the evening"
+cmp far/composite.png evening/composite.png || fail "not lit by the nearest, further off"
+"$program" "${given[@]}" --at 0,26 --output noon >/dev/null 2>&1 || fail "a run further off at noon"
+cmp -s far/composite.png noon/composite.png && fail "the light makes no difference"
+refuses "camera.json: no list" --lights camera.json
+
 refuses "none.exr: no such file" --environment none.exr
 refuses "none.obj: no such file" --vehicle none.obj
 refuses "none.png: no such file" --plate none.png
 refuses "none/twin.json: no such file" --twin none
-refuses "sky.ppm: 32 x 16 pixels, the plate has 160 x 90" --depth sky.ppm
+refuses "sky.ppm: 32 x 16 pixels, the plate has 96 x 64" --depth sky.ppm
 refuses "--pixel lies above the horizon" --pixel 80,2
 refuses "--wet" --wet 3
 [ $failed = 0 ] && echo "all is well"

@@ -164,7 +164,7 @@ TEST_CASE("compose_hdr: the prediction's sky, aligned, over the panorama's stree
   for (int y = 140; y < 256; y += 10) CHECK(out.at(7, y).y == ldr.at(7, y).y);
 }
 TEST_CASE("LightField: the nearest panorama serves", "[street][value]") {
-  LightField field;
+  LightField<EnvironmentLight> field;
   CHECK_THROWS_WITH(field.nearest({0, 0, 0}), "a light field without panoramas, expected one at least");
   for (int i = 0; i < 4; ++i)
     field.lights.push_back({{10.0f * float(i), 1, 0}, EnvironmentLight(Image(32, 16, vec3<float>(float(i + 1))))});

@@ -93,3 +93,24 @@ TEST_CASE("PathTracer: a pane keeps what its transmittance says, a photo's depth
   CHECK(one.kept.values == three.kept.values);
   CHECK(mean(one.object) > 0.05);
 }
+TEST_CASE("PathTracer: a wet ground mirrors a black ball as water does, a dry one not", "[street][agreement]") {
+  const Raycaster scene(ball(1, 1.5f));
+  const PanoramaSampler sky(Image(16, 8, vec3<float>(1.0f)));
+  const auto black = [](const Surfel<float>&, int) { return lambert(0); };
+  const auto added = [&](float wet, const vec3<float>& foot) {
+    const PathTracer tracer(scene, sky, black, Ground{0, wet}, {.samples = 16});
+    const Camera camera = Camera::look_at({0, 1, 6}, foot, {0, 1, 0}, 0.2f, 4, 4);  // that place fills it
+    return double(render_layers(tracer, camera, Mask(), true, silent).added.at(1, 2).y);
+  };
+  // Fresnel 1823: where the mirrored ray meets the ball the even sky of 1 is missing.
+  record::Worst worst;
+  for (const float z : {2.4f, 3.0f, 3.6f}) {
+    const double d = 6 - double(z), i = std::atan2(d, 1), t = std::asin(std::sin(i) / 1.33);
+    const double s = std::sin(i - t) / std::sin(i + t), p = std::tan(i - t) / std::tan(i + t);
+    for (const float wet : {0.5f, 1.0f})
+      worst(std::abs(added(wet, {0, 0, z}) / (double(wet) * (s * s + p * p) / 2) + 1));
+  }
+  record::claim("PathTracer: a black ball mirrored by a wet ground", "law", "Fresnel's formulas", 5e-3, worst.value, 6);
+  CHECK(added(0, {0, 0, 3}) == 0);
+  CHECK(added(1, {4, 0, 3}) == 0);  // beside the mirrored ball
+}

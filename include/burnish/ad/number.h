@@ -129,8 +129,10 @@ template <Plain T> struct whole<T> {
 };
 template <class T> using int_t = typename whole<T>::type;
 
-/// Toward zero; |x| < 2^31.
-template <Plain T> constexpr int to_int(T x) { return int(x); }
+/// Toward zero; -2^31 for NaN and where |x| >= 2^31, as the processor's instruction gives for packets.
+template <Plain T> constexpr int to_int(T x) {
+  return x >= T(-2147483648.0) && x < T(2147483648.0) ? int(x) : std::numeric_limits<int>::min();
+}
 template <Plain T> constexpr T to_real(int i) { return T(i); }
 /// from[i]: gather<T>(from, i).
 template <Plain T> constexpr T gather(const float* from, int i) { return T(from[i]); }

@@ -6,19 +6,22 @@
 
 namespace burnish {
 
-/// Where a panorama was taken, world metres, and its light.
-struct PlacedLight {
+/// Light, and where it was seen: world metres.
+template <class Light> struct PlacedLight {
   vec3<float> position;
-  EnvironmentLight light;
+  Light light;
 };
-/// A small set of lights; an insertion takes the nearest, as the paper does.
-struct LightField {
-  std::vector<PlacedLight> lights;
+/// A small set of lights of any type (EnvironmentLight, PanoramaSampler, a file's name); an insertion takes the
+/// nearest, as the paper does.
+template <class Light> struct LightField {
+  std::vector<PlacedLight<Light>> lights;
 
   /// Of equally near ones the first. Error when there is none.
-  const PlacedLight& nearest(const vec3<float>& position) const {
+  const PlacedLight<Light>& nearest(const vec3<float>& position) const {
     if (lights.empty()) throw Error("a light field without panoramas, expected one at least");
-    const auto distance2 = [&](const PlacedLight& p) { return dot(p.position - position, p.position - position); };
+    const auto distance2 = [&](const PlacedLight<Light>& p) {
+      return dot(p.position - position, p.position - position);
+    };
     return *std::min_element(lights.begin(), lights.end(),
                              [&](const auto& a, const auto& b) { return distance2(a) < distance2(b); });
   }

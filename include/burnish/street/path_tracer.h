@@ -64,7 +64,8 @@ public:
     const vec3<float> down = sky.irradiance({0, -1, 0}), mean = (open_ + down) * (0.5f * inverse_pi);
     limit_ = options.brightest * std::max({mean.x, mean.y, mean.z, 1e-6f});
     const auto draw = [&](const vec3<float>& at, PathNumbers& random) { return shadow_at(at, random, 0); };
-    shade_ = GroundShade(bounds(scene.mesh()), ground.height, std::max(32, options.samples), draw, ~options.seed);
+    const int draws = std::clamp(options.samples, 32, 256);
+    shade_ = GroundShade(bounds(scene.mesh()), ground.height, draws, draw, ~options.seed);
   }
 
   const Raycaster& scene() const { return scene_; }
