@@ -56,6 +56,9 @@ int main(int argc, char** argv) {
   app.add_option("-o,--output", output, "folder for pictures, joints.json and edited.glb")->capture_default_str();
   return command(app, argc, argv, [&] {
     Progress whole("");
+    const bool all = turntable == 0 && !o.edit.any();  // the sheet of what can be done, another's materials last
+    std::string materials;
+    if (all) std::swap(materials, o.materials);
     insertion::Street street = insertion::read(o);
     const EditedVehicle last = editing::apply(street.mesh, street.kinds, o.edit);
     if (last.mesh.triangles.empty()) throw Error("nothing is left of the vehicle");
@@ -71,8 +74,8 @@ int main(int argc, char** argv) {
                   j.sure ? "" : ", its rear edge assumed");
     for (const std::string& n : notes) std::printf("  %s\n", n.c_str());
     std::vector<Item> items;
-    if (turntable == 0 && o.edit.any()) items = {{"as it is", {}}, {"edited", o.edit}};
-    else if (turntable == 0) items = gallery(joints, relight, o.materials);
+    if (all) items = gallery(joints, relight, materials);
+    else if (turntable == 0) items = {{"as it is", {}}, {"edited", o.edit}};
     for (int k = 0; k < turntable; ++k)
       items.push_back(
           {std::to_string(360 * k / turntable) + " degrees", o.edit, {}, {}, 360.0f * float(k) / float(turntable)});
