@@ -29,7 +29,7 @@ void add_options(CLI::App& app, Options& o) {
 }
 
 void complete(Options& o, const std::string& data) {
-  if (o.photo == Options{}.photo) {
+  if (o.photo == usual_photo) {
     if (o.mask.empty())
       o.mask = data + "/dog_pickup.mask.png", o.parts = o.parts.empty() ? data + "/dog_pickup.parts.png" : o.parts;
     if (o.camera.empty()) o.camera = data + "/dog_pickup.camera.json";

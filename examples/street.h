@@ -10,8 +10,10 @@ namespace street {
 using namespace burnish;
 using parts::Role;
 
+inline constexpr const char* usual_photo = "/usr/share/darknet/data/dog.jpg";
+
 struct Options : fitting::Settings {
-  std::string photo = "/usr/share/darknet/data/dog.jpg", mask, parts, camera;
+  std::string photo = usual_photo, mask, parts, camera;
   std::string vehicle = "/usr/share/sweethome3d/furniture/Scopia.sh3f:scopia/suv/suv.obj";
   std::string environment = "/usr/share/blender/datafiles/studiolights/world/city.exr";
   std::string output = "burnish-fit", resume;
