@@ -21,7 +21,7 @@ echo '{"joints": [{"name": "nose", "kind": "panel", "pivot": [1, 1, 0], "axis": 
   "inward": [0, -1, 0], "region": [[-1, 0, 0, -1], [0, -1, 0, -0.9]]}]}' >nose.json
 log=$("$program" "${given[@]}" --joints nose.json --open nose=60 --output nose 2>&1) || fail "a joint by hand: $log"
 [ -s nose/composite.png ] && [ -s nose/label_kitti.txt ] || fail "an edit is not written as an insertion"
-"$program" "${given[@]}" --steer 0.001 --output plain >/dev/null 2>&1 || fail "a run"
+"$program" "${given[@]}" --over 0.001 --output plain >/dev/null 2>&1 || fail "a run"
 # height, of the label: higher with the nose up; on its side as high as it was wide.
 high() { awk '{ print $9 }' "$1/label_kitti.txt"; }
 awk "BEGIN { exit !($(high nose) > $(high plain) + 0.3) }" || fail "the nose is not up: $(high nose), $(high plain)"
