@@ -70,6 +70,17 @@ Mask about(const Camera& camera, const Placement& place, float reach) {
     }
   return count > 500 ? near : Mask(camera.width, camera.height, 1);
 }
+/// By how many pixels a box may reach beyond the picture; at most its width, as counts for a label.
+int beyond(const Camera& camera, const Box& box) {
+  float most = 0;
+  for (int k = 0; k < 8; ++k) {
+    const vec3<float> p = camera.project({k & 1 ? box.high.x : box.low.x, k & 2 ? box.high.y : box.low.y,
+                                          k & 4 ? box.high.z : box.low.z});
+    if (p.z < 0.1f) return camera.width;
+    most = std::max({most, -p.x, -p.y, p.x - float(camera.width), p.y - float(camera.height)});
+  }
+  return std::min(camera.width, int(std::ceil(most)) + 1);
+}
 }  // namespace
 
 void light(Street& s, const Options& o, const Placement& place) {
@@ -172,7 +183,7 @@ Shot shoot(const Street& s, const Placement& place, const editing::Options& edit
     if (s.depth.width == 0 || shot.g.plane[GBuffer::depth][std::size_t(i)] < s.depth.values[p])
       shot.visible.values[p] = shot.g.plane[GBuffer::coverage][std::size_t(i)];
   }
-  const int margin = w;
+  const int margin = beyond(s.camera, bounds(scene.mesh()));
   const Mask all = scene.trace(s.camera.cropped(-margin, -margin, w + 2 * margin, h + 2 * margin), 1).frame("coverage");
   shot.seen = seen_vehicle(shot.visible, all, margin);
   shot.box = label_box(bounds(vehicle.mesh).size(), place, s.camera);
