@@ -95,7 +95,7 @@ void light(Street& s, const Options& o, const Placement& place) {
       for (int x = 0; x < o.width; ++x)
         s.plate.set(x, y, s.sky.radiance(s.camera.ray(float(x) + 0.5f, float(y) + 0.5f).direction));
   } else {
-    s.found = plate_look(s.plate, about(s.camera, place, 4), s.camera, s.sky);
+    s.found = plate_look(s.plate, about(s.camera, s.place, 4), s.camera, s.sky);
   }
   if (o.exposure > 0) s.found.exposure = vec3<float>(o.exposure);
   if (o.noise >= 0) s.found.noise = o.noise;

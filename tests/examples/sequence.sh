@@ -35,6 +35,14 @@ cmp whole/frames/000001.png jobs/frames/000001.png || fail "a frame comes out ot
 "$program" "${given[@]}" --trajectory rotate --output round >/dev/null 2>&1 || fail "a trajectory"
 [ "$(awk '{ print $15 }' round/labels/*.txt | sort -u | wc -l)" = 3 ] || fail "it does not turn"
 
+# Two panoramas along the way: a frame alone is what it is in a whole run.
+awk 'NR < 4 { print; next } { print $3, $2, $1 }' sky.ppm >evening.ppm
+echo '{"lights": [{"at": [0, 9], "panorama": "sky.ppm"}, {"at": [5, 12], "panorama": "evening.ppm"}]}' >lights.json
+along=(--plate photo.ppm --lights lights.json --length 8)
+"$program" "${given[@]}" "${along[@]}" --output along >/dev/null 2>&1 || fail "a run along two panoramas"
+"$program" "${given[@]}" "${along[@]}" --output alone --frame 2 >/dev/null 2>&1 || fail "its last frame alone"
+cmp along/frames/000002.png alone/frames/000002.png || fail "the last frame alone is lit otherwise"
+
 refuses "expected drive, rotate, occluded or doors" --trajectory fly
 refuses "the sequence has frames 0 to 2" --frame 3
 refuses "no frame of this sequence is there" --collect
