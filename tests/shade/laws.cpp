@@ -152,7 +152,7 @@ TEST_CASE("Laws: the white furnace and the mean reflectance are those of the mod
 
 TEST_CASE("Laws: no surface reflects more than it gets", "[shade][energy]") {
   std::mt19937 random(41);
-  const int n = std::max(20, record::points() / 10);
+  const int n = std::max(100, record::points() / 10);
   record::Worst most;
   for (int i = 0; i < n; ++i) {
     Surface<double> s = any_surface(random);
