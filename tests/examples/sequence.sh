@@ -35,10 +35,12 @@ cmp whole/frames/000001.png jobs/frames/000001.png || fail "a frame comes out ot
 "$program" "${given[@]}" --trajectory rotate --output round >/dev/null 2>&1 || fail "a trajectory"
 [ "$(awk '{ print $15 }' round/labels/*.txt | sort -u | wc -l)" = 3 ] || fail "it does not turn"
 
-# Two panoramas along the way: a frame alone is what it is in a whole run.
+# Two panoramas along the way, on ground that is darker to the right: a frame alone is what it is in a whole run.
+awk 'BEGIN { print "P3\n240 160\n255"
+  for (j = 0; j < 160; ++j) for (i = 0; i < 240; ++i) { k = j < 80 ? 180 : 200 - int(i / 2); print k, k, k } }' >slope.ppm
 awk 'NR < 4 { print; next } { print $3, $2, $1 }' sky.ppm >evening.ppm
 echo '{"lights": [{"at": [0, 9], "panorama": "sky.ppm"}, {"at": [5, 12], "panorama": "evening.ppm"}]}' >lights.json
-along=(--plate photo.ppm --lights lights.json --length 8)
+along=(--plate slope.ppm --lights lights.json --length 8)
 "$program" "${given[@]}" "${along[@]}" --output along >/dev/null 2>&1 || fail "a run along two panoramas"
 "$program" "${given[@]}" "${along[@]}" --output alone --frame 2 >/dev/null 2>&1 || fail "its last frame alone"
 cmp along/frames/000002.png alone/frames/000002.png || fail "the last frame alone is lit otherwise"

@@ -50,6 +50,22 @@ TEST_CASE("denoise: the error falls to a third, and what the features do not sho
   CHECK(n.layers.object.at(10, 22).x == Approx(2).margin(0.12));
   CHECK(n.layers.object.at(10, 19).x == Approx(0.3).margin(0.12));
 }
+TEST_CASE("denoise: stripes two deviations apart, which single pixels cannot tell, stay", "[street][value]") {
+  Noisy n(0.1f);
+  std::mt19937 random(7);
+  std::normal_distribution<float> normal(0, 0.1f);
+  n.features.planes[0] = Mask(64, 48);
+  for (int y = 0; y < 48; ++y)
+    for (int x = 0; x < 64; ++x) {
+      const float light = x / 6 % 2 ? 0.7f : 0.5f;
+      n.truth.set(x, y, vec3<float>(light));
+      n.layers.object.set(x, y, vec3<float>(light + normal(random), light + normal(random), light + normal(random)));
+    }
+  const double before = n.error(n.layers.object);
+  denoise(n.layers, n.features);
+  record::claim("denoise: error by that before, stripes two deviations apart", "law", "the picture without noise", 0.35,
+                n.error(n.layers.object) / before, 64 * 48);
+}
 TEST_CASE("denoise: a lone bright pixel of much noise goes, one that is sure stays", "[street][value]") {
   for (const bool sure : {false, true}) {
     Noisy n(0.01f);
