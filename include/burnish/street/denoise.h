@@ -42,11 +42,11 @@ PlateFeatures features(const Raycaster& scene, const Material& material, const C
 }
 
 namespace detail {
-/// Rows y0 to y1 of planes, filtered together: colors, and the variances of their means.
+/// Rows y0 to y1 of planes, filtered together: colors, and the variances of their means. patch: pixels to each side
+/// that are compared; few keep fine detail, many tell the smooth from its noise.
 inline void non_local_means(const std::vector<const float*>& colors, const std::vector<const float*>& variances,
                             const std::vector<Mask>& guides, const std::vector<float*>& out, int w, int h, int y0,
-                            int y1, int reach) {
-  constexpr int patch = 2;
+                            int y1, int reach, int patch) {
   const int from = std::max(0, y0 - patch), to = std::min(h, y1 + patch), rows = to - from;
   const std::size_t width = std::size_t(w);
   std::vector<float> d(width * std::size_t(rows)), sums(width), weights(width * std::size_t(y1 - y0)), line(width);
@@ -124,7 +124,7 @@ inline void dim_fireflies(Image& image, Image& variance) {
     }
   });
 }
-inline void denoise_image(Image& image, Image variance, const std::vector<Mask>& guides, int reach) {
+inline void denoise_image(Image& image, Image variance, const std::vector<Mask>& guides, int reach, int patch) {
   const int w = image.width, h = image.height, band = 16;
   dim_fireflies(image, variance);
   Image noisy = image;
@@ -147,7 +147,7 @@ inline void denoise_image(Image& image, Image variance, const std::vector<Mask>&
     bool any = false;
     for (int y = y0; y < y1 && !any; ++y)
       for (int x = 0; x < w && !any; ++x) any = variance.at(x, y).y > 0;
-    if (any) non_local_means(colors, variances, guides, out, w, h, y0, y1, reach);
+    if (any) non_local_means(colors, variances, guides, out, w, h, y0, y1, reach, patch);
   });
 }
 }  // namespace detail
@@ -159,8 +159,8 @@ inline void denoise(InsertLayers& layers, const PlateFeatures& features, int rea
   std::vector<Mask> guides = features.planes;
   guides.emplace_back(w, h);
   for (int i = 0; i < w * h; ++i) guides.back().values[std::size_t(i)] = 6 * layers.through.plane(1)[i];
-  detail::denoise_image(layers.object, layers.object_variance, guides, reach);
-  detail::denoise_image(layers.shadow, layers.shadow_variance, {guides.back()}, reach);
+  detail::denoise_image(layers.object, layers.object_variance, guides, reach, 1);
+  detail::denoise_image(layers.shadow, layers.shadow_variance, {guides.back()}, reach, 2);
   layers.lay_shadow();
 }
 
