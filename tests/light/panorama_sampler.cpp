@@ -39,6 +39,25 @@ TEST_CASE("PanoramaSampler: radiance / density over what it draws is the panoram
   record::claim("PanoramaSampler: irradiance under a sun of one texel, drawn", "law", "quadrature", 0.01,
                 std::abs(drawn / double(sky.irradiance(n).y) - 1), count);
 }
+TEST_CASE("PanoramaSampler: drawn for a plane, the same light, and hardly any from behind", "[light][agreement]") {
+  const PanoramaSampler sky(street(), 2.1f);
+  const vec3<float> n = normalize(vec3<float>(1, 0.3f, 0.2f));
+  const PanoramaSampler::Table by = sky.facing(n);
+  std::mt19937 random(2);
+  std::uniform_real_distribution<float> u(0, 1);
+  const int count = 200000;
+  double drawn = 0, behind = 0;
+  for (int i = 0; i < count; ++i) {
+    const auto s = sky.sample({u(random), u(random)}, by);
+    REQUIRE(sky.density(s.direction, by) == Approx(s.density).epsilon(1e-3));
+    const float cosine = dot(n, s.direction);
+    if (cosine > 0) drawn += double(s.radiance.y * cosine / s.density) / count;
+    else behind += 1.0 / count;
+  }
+  record::claim("PanoramaSampler: irradiance, drawn for the plane", "law", "quadrature", 0.01,
+                std::abs(drawn / double(sky.irradiance(n).y) - 1), count);
+  CHECK(behind < 0.06);  // half of the tenth that is drawn evenly
+}
 TEST_CASE("PanoramaSampler: its density integrates to one, and the sun is where the panorama has it",
           "[light][value]") {
   const PanoramaSampler sky(street());

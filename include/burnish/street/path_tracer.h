@@ -60,7 +60,7 @@ public:
   PathTracer(const Raycaster& scene, const PanoramaSampler& sky, Material material, const Ground& ground,
              const PathOptions& options)
       : scene_(scene), sky_(sky), material_(std::move(material)), ground_(ground), options_(options),
-        open_(sky.irradiance({0, 1, 0})) {
+        over_ground_(sky.facing({0, 1, 0})), open_(sky.irradiance({0, 1, 0})) {
     const vec3<float> down = sky.irradiance({0, -1, 0}), mean = (open_ + down) * (0.5f * inverse_pi);
     limit_ = options.brightest * std::max({mean.x, mean.y, mean.z, 1e-6f});
     const auto draw = [&](const vec3<float>& at, PathNumbers& random) { return shadow_at(at, random, 0); };
@@ -114,6 +114,7 @@ private:
   Material material_;
   Ground ground_;
   PathOptions options_;
+  PanoramaSampler::Table over_ground_;
   vec3<float> open_;  // irradiance of the ground without the vehicle
   float limit_;
   GroundShade shade_;
@@ -129,14 +130,15 @@ private:
     return s.transmission_weight > 0 ? transmittance(s, dot(hit.surfel.normal, hit.surfel.view)) : vec3<float>();
   }
 
-  PanoramaSampler::Sample light(const vec2<float>& u) const {
-    if (options_.by_brightness) return sky_.sample(u);
+  static constexpr float even = 0.25f * inverse_pi;
+  PanoramaSampler::Sample light(const vec2<float>& u, const PanoramaSampler::Table& by) const {
+    if (options_.by_brightness) return sky_.sample(u, by);
     const float z = 1 - 2 * u.x, r = std::sqrt(std::max(0.0f, 1 - z * z)), phi = 2 * pi * u.y;
     const vec3<float> d(r * std::cos(phi), z, r * std::sin(phi));
-    return {d, sky_.radiance(d), 0.25f * inverse_pi};
+    return {d, sky_.radiance(d), even};
   }
-  float light_density(const vec3<float>& d) const {
-    return options_.by_brightness ? sky_.density(d) : 0.25f * inverse_pi;
+  float light_density(const vec3<float>& d, const PanoramaSampler::Table& by) const {
+    return options_.by_brightness ? sky_.density(d, by) : even;
   }
 
   /// What panes leave of light along a ray; 0 behind what is opaque.
@@ -173,7 +175,7 @@ private:
       return e / max(open_, vec3<float>(1e-9f));
     };
     const vec2<float> to_light = random.pair(), about = random.pair();
-    const auto s = light(to_light);
+    const auto s = light(to_light, over_ground_);
     if (const float c = s.direction.y; c > 0 && s.density > 0) {
       const vec3<float> e =
           relative(s.radiance * (c * detail::power_heuristic(s.density, c * inverse_pi) / s.density));
@@ -181,8 +183,8 @@ private:
     }
     const float phi = 2 * pi * about.y, r = std::sqrt(about.x), c = std::sqrt(std::max(1 - about.x, 1e-7f));
     const Ray ray{from, {r * std::cos(phi), c, r * std::sin(phi)}};
-    const vec3<float> e = relative(sky_.radiance(ray.direction) *
-                                   (detail::power_heuristic(c * inverse_pi, light_density(ray.direction)) * pi));
+    const float weight = detail::power_heuristic(c * inverse_pi, light_density(ray.direction, over_ground_));
+    const vec3<float> e = relative(sky_.radiance(ray.direction) * (weight * pi));
     out.all += e;
     if (!scene_.blocked(ray)) {
       out.seen += e;
@@ -218,7 +220,7 @@ private:
     // Drawn before the light's way takes numbers or does not: each pair keeps its use from path to path.
     const vec2<float> to_light = random.pair(), in_lobe = random.pair();
     const float which = random();
-    const auto sun = light(to_light);
+    const auto sun = light(to_light, sky_.everywhere());
     if (sun.density > 0 && dot(n, sun.direction) > 0 && dot(hit.face, sun.direction) > 0) {
       const vec3<float> f = brdf_cos(s, base, coat, v, sun.direction);
       const float weight = detail::power_heuristic(sun.density, brdf_density(s, chances, n, v, sun.direction));
@@ -232,7 +234,7 @@ private:
     const Ray on{lifted(hit, l), l};
     const SeenSurface next = scene_.first_hit(on);
     if (next.part < 0) {
-      const float weight = detail::power_heuristic(density, light_density(l));
+      const float weight = detail::power_heuristic(density, light_density(l, sky_.everywhere()));
       return sum + f * arriving(on.origin, l, sky_.radiance(l)) * weight;
     }
     return sum + clipped(f * seen(next, on, random, bounces - 1, density));
@@ -252,7 +254,8 @@ private:
       ray.origin = lifted(hit, ray.direction);
       hit = scene_.first_hit(ray);
       if (hit.part >= 0) continue;
-      const float weight = density > 0 ? detail::power_heuristic(density, light_density(ray.direction)) : 1;
+      const float by_light = light_density(ray.direction, sky_.everywhere());
+      const float weight = density > 0 ? detail::power_heuristic(density, by_light) : 1;
       return left * arriving(ray.origin, ray.direction, sky_.radiance(ray.direction)) * weight;
     }
     return {};
